@@ -19,6 +19,7 @@ from app.files.provenance import version
 from app.gui.actions import (
     actions,
     batch_actions,
+    enhancement_actions,
     live_actions,
     presenting,
     preset_actions,
@@ -364,7 +365,7 @@ class Window:
             dockings.quit_app()
         self._screen.end_whole(self.state)
         if not imgui.is_any_item_active():
-            actions.settle_params(self.state)
+            enhancement_actions.settle_params(self.state)
             remembered.remember(self.state)
 
     def close(self) -> None:

@@ -17,7 +17,7 @@ import psutil
 from imgui_bundle import hello_imgui, imgui, immapp
 from imgui_bundle.immapp import testing
 
-from app.gui.actions import actions, job_actions
+from app.gui.actions import actions, enhancement_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.window import Window
 from app.gui.work.settings import Places, Settings
@@ -97,7 +97,7 @@ class Hand:
 
         def draw_moved() -> None:
             if self._began is not None and self._chosen is not None:
-                actions.set_params(self._state, self._chosen)
+                enhancement_actions.set_params(self._state, self._chosen)
             draw()
 
         panel.gui_function = draw_moved

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import groupby
 from pathlib import Path
-from typing import TypeVar
 
-from app.enhancement.methods import EnhancementSettings
-from app.enhancement.settable import Pixels, Scope
 from app.files.legible import legible
 from app.gui.state.app_state import AppState
 from app.gui.state.choosing import Choosing, Kind, Purpose
@@ -24,9 +20,6 @@ from app.scenes.backgrounds import BackgroundName
 from assets import phantom_path
 
 TOAST_SECONDS = 6.0
-MOST_STEPS = 200
-"""Of undo."""
-L = TypeVar("L", bound=EnhancementSettings)
 log = logging.getLogger(__name__)
 
 
@@ -305,93 +298,3 @@ def toggle_link(state: AppState) -> None:
     """Unlinked, the 3D view stays at the time it shows."""
     state.scene.own_time = state.time
     state.scene.linked = not state.scene.linked
-
-
-# ---- enhancement
-
-
-def set_params(state: AppState, params: EnhancementSettings) -> None:
-    """Live, while a slider moves; `settle_params` makes it a step of undo."""
-    state.enhancement.params = params
-
-
-def use_params(state: AppState, params: EnhancementSettings, named: str) -> None:
-    """Enhance by these from now on, which are said as `named`; one step of undo."""
-    use_look(state, params, state.enhancement.scope, state.enhancement.pixels, named)
-
-
-def use_look(state: AppState, params: EnhancementSettings, scope: Scope, pixels: Pixels, named: str) -> None:
-    """The same with the statistics that belong to them: all that the image depends on."""
-    settle_params(state)
-    chosen = state.enhancement
-    chosen.params, chosen.scope, chosen.pixels, chosen.active = params, scope, pixels, True
-    settle_params(state)
-    announce(state, f"now using {named}")
-
-
-def latest(state: AppState, method: type[L]) -> L:
-    """The parameters of a method, as they were when it was last chosen."""
-    looks = (state.enhancement.params, *(step.params for step in reversed(state.enhancement.past)))
-    settled = (params for params in looks if isinstance(params, method))
-    return next(settled, method())
-
-
-def choose_method(state: AppState, method: type[EnhancementSettings]) -> None:
-    """Enhance by this method, with the parameters that it had."""
-    settle_params(state)
-    state.enhancement.params = latest(state, method)
-
-
-def choose_scope(state: AppState, scope: Scope) -> None:
-    """What the automatic values are taken from."""
-    state.enhancement.scope = scope
-
-
-def choose_pixels(state: AppState, pixels: Pixels) -> None:
-    """What counts in the statistics."""
-    state.enhancement.pixels = pixels
-
-
-def settle_params(state: AppState) -> None:
-    """Called while no control is held: one drag of a slider is one step of undo."""
-    chosen = state.chosen
-    if chosen != state.enhancement.past[-1]:
-        state.enhancement.past = [*state.enhancement.past[-MOST_STEPS:], chosen]
-        state.enhancement.future.clear()
-
-
-def rebase(state: AppState, looks: Iterable[EnhancementSettings]) -> None:
-    """Something else is open: of what was set before, only the looks of pictures can be gone back to."""
-    now = state.chosen
-    state.enhancement.past = [now.with_params(look) for look, _ in groupby(looks)]
-    state.enhancement.future = []
-
-
-def reset_params(state: AppState) -> None:
-    """All that is set of the enhancement, but for the method."""
-    chosen = state.enhancement
-    chosen.params, chosen.scope, chosen.pixels = _defaults(state)
-
-
-def can_reset(state: AppState) -> bool:
-    """Something is not at its default."""
-    chosen = state.enhancement
-    return (chosen.params, chosen.scope, chosen.pixels) != _defaults(state)
-
-
-def _defaults(state: AppState) -> tuple[EnhancementSettings, Scope, Pixels]:
-    return type(state.enhancement.params)(), "automatic", "automatic"
-
-
-def toggle_enhancement(state: AppState) -> None:
-    state.enhancement.active = not state.enhancement.active
-
-
-def peek(state: AppState, peeking: bool) -> None:
-    """Show the original in the enhanced pane while a key is held."""
-    state.enhancement.peeking = peeking
-
-
-def white_light(state: AppState) -> None:
-    """Plain white light on both sides, whatever was on."""
-    state.enhancement.active = state.enhancement.peeking = False

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from app.gui.actions import actions, clip_actions, masking_actions, session_actions
+from app.gui.actions import actions, clip_actions, enhancement_actions, masking_actions, session_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.masking import Masking
 from app.gui.state.reconstruction import Reconstruction
@@ -30,7 +30,7 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     _look_anew(state, opened, again=again)
     if not state.runs.reconstruction.is_alive:
         _show_run(state, opened, again=again)
-    actions.rebase(state, [step.params for step in state.enhancement.past])
+    enhancement_actions.rebase(state, [step.params for step in state.enhancement.past])
     for notice in opened.notices:
         actions.say(state, notice)
     actions.say(state, f"opened {path.name}")

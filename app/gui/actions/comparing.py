@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from app.enhancement.settable import Mode, Slot
-from app.gui.actions import actions
+from app.gui.actions import actions, enhancement_actions
 from app.gui.state.app_state import AppState
 from app.gui.views.comparison import Side
 
@@ -67,6 +67,6 @@ def store(state: AppState, slot: Slot) -> None:
 def recall(state: AppState, slot: Slot) -> None:
     """The stored setting becomes the present one; a step of undo."""
     if slot in state.enhancement.stored:
-        actions.settle_params(state)
-        actions.set_params(state, state.enhancement.stored[slot])
+        enhancement_actions.settle_params(state)
+        enhancement_actions.set_params(state, state.enhancement.stored[slot])
         state.enhancement.active = True

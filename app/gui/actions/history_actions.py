@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from app.gui.actions import actions, clip_actions, depth_actions
+from app.gui.actions import actions, clip_actions, depth_actions, enhancement_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.enhancement import SettingsSnapshot, step_name
 
 
 def undo(state: AppState) -> None:
-    actions.settle_params(state)
+    enhancement_actions.settle_params(state)
     if len(state.enhancement.past) > 1:
         state.enhancement.future.append(state.enhancement.past.pop())
         _take(state, state.enhancement.past[-1])

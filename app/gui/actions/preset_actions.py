@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from app.enhancement.methods import EnhancementSettings
 from app.enhancement.settable import LONGEST_NAME
-from app.gui.actions import actions
+from app.gui.actions import actions, enhancement_actions
 from app.gui.state.app_state import AppState
 from app.gui.work.background import Failure
 from app.gui.work.presets import (
@@ -43,8 +43,8 @@ def choose(state: AppState, name: str) -> None:
     """The preset becomes the present setting; a step of undo."""
     presets = presets_with(state.enhancement.presets)
     if name in presets:
-        actions.settle_params(state)
-        actions.set_params(state, presets[name])
+        enhancement_actions.settle_params(state)
+        enhancement_actions.set_params(state, presets[name])
         state.enhancement.active = True
 
 

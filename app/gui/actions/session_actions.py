@@ -12,7 +12,7 @@ from pathlib import Path
 
 from app.errors import UserError
 from app.files.legible import located
-from app.gui.actions import actions, edit_actions, second_actions
+from app.gui.actions import actions, edit_actions, enhancement_actions, second_actions
 from app.gui.session_file import (
     MOST_STEPS,
     SUFFIX,
@@ -142,7 +142,7 @@ def restore(state: AppState, session: Session, second: Path | None = None) -> No
         second_actions.open_second(state, second)
     elif session.second is not None:
         actions.say(state, f"the second view is empty: {Path(session.second.path).name} is no longer there")
-    actions.rebase(state, session.past or (session.params,))
+    enhancement_actions.rebase(state, session.past or (session.params,))
 
 
 def offer_to_find(state: AppState, lost: SourceLost) -> None:
@@ -270,7 +270,7 @@ def answer_new_case(state: AppState, *, agreed: bool) -> None:
         # What is being saved is of the case before.
         summary.items, summary.awaited = (), ()
         # Undo leads back to none of them.
-        actions.rebase(state, [step.params for step in state.enhancement.past])
+        enhancement_actions.rebase(state, [step.params for step in state.enhancement.past])
 
 
 def save_to(state: AppState, path: Path) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.gui.actions import actions
+from app.gui.actions import actions, enhancement_actions
 from app.gui.state.app_state import AppState
 from app.gui.work.background import Failure
 from app.gui.work.swept import SweptImage, SweptJob
@@ -30,7 +30,7 @@ def take_image(state: AppState, job: SweptJob, answer: SweptImage | Failure) -> 
 def use_params(state: AppState, job: SweptJob) -> None:
     """Enhance by the job's settings from now on; one step of undo."""
     assert job.params is not None
-    actions.use_look(state, job.params, job.scope, job.pixels, job.setting)
+    enhancement_actions.enhance_by(state, job.params, job.scope, job.pixels, job.setting)
 
 
 def open_run(state: AppState, job: SweptJob) -> None:

@@ -13,7 +13,7 @@ from app.enhancement.parameter_grid import Axis, Setting, settings
 from app.enhancement.setting_words import LABELS, said
 from app.errors import UserError
 from app.files.provenance import stamp
-from app.gui.actions import actions, presenting
+from app.gui.actions import actions, enhancement_actions, presenting
 from app.gui.session_file import Choice
 from app.gui.state.app_state import AppState
 from app.gui.views.picture_view import PictureView
@@ -162,7 +162,7 @@ def use_setting(state: AppState, setting: Setting) -> None:
     """Enhance by this setting of the grid from now on, as it was tried; one step of undo."""
     assert state.tuning.grid is not None
     picture = state.tuning.grid.picture
-    actions.use_look(state, setting.params, picture.scope, picture.pixels, said(setting))
+    enhancement_actions.enhance_by(state, setting.params, picture.scope, picture.pixels, said(setting))
 
 
 def take_cell(state: AppState, request: CellRequest, answer: GridCell | Failure) -> None:

@@ -12,6 +12,7 @@ from app.gui.actions import (
     actions,
     clip_actions,
     comparing,
+    enhancement_actions,
     export_actions,
     floating_windows,
     history_actions,
@@ -153,12 +154,12 @@ def _toggle_recent(state: AppState) -> None:
 
 def _picture(state: AppState) -> tuple[Section, ...]:
     looks = (
-        Command("Enhancement", actions.toggle_enhancement, ("E",), text="enhancement on or off",
+        Command("Enhancement", enhancement_actions.toggle_enhancement, ("E",), text="enhancement on or off",
                 applies=has_clip, ticked=lambda s: s.enhancement.active,
                 synonyms=("vessel", "vessels", "enhance", "filter", "brighter", "brightness", "contrast",
                           "on", "off", "sharpen", "colour", "color", "saturation", "gamma", "clahe",
                           "angiography", "darker", "noise", "denoise", "strength", "sliders")),
-        Command("Plain white light", actions.white_light, ("Shift+W",), applies=has_clip,
+        Command("Plain white light", enhancement_actions.white_light, ("Shift+W",), applies=has_clip,
                 text="white light: the frames as recorded, in all panes and the 3D view",
                 synonyms=("original", "wli", "normal", "unenhanced", "before")),
         Command("Freeze", live_actions.toggle_freeze, ("F",), text="hold this frame in both panes",
@@ -181,7 +182,7 @@ def _picture(state: AppState) -> tuple[Section, ...]:
                 text="redo the last undone change", repeats=True,
                 applies=lambda s: bool(s.enhancement.future) and not s.editing.active,
                 synonyms=("repeat", "again")),
-        Command("Reset all", actions.reset_params, ("R",), applies=actions.can_reset,
+        Command("Reset all", enhancement_actions.reset_params, ("R",), applies=enhancement_actions.can_reset,
                 text="all parameters, statistics and pixels to their defaults; the method stays",
                 synonyms=("defaults", "factory", "clear")),
         Command("Tuning grid", tuning_actions.toggle_tuning, ("Ctrl+T",),

@@ -7,7 +7,7 @@ from functools import cache
 
 from imgui_bundle import imgui
 
-from app.gui.actions import actions, camera_actions, leaving
+from app.gui.actions import camera_actions, enhancement_actions, leaving
 from app.gui.commands.command import Command, Section
 from app.gui.commands.modes import Keys, keys_of
 from app.gui.commands.walking import Walk
@@ -88,7 +88,9 @@ class Keyboard:
         free = not io.want_text_input and not asked
         # The key that has just closed a menu or ended typing has done its work.
         acts, self._was_free = free and self._was_free, free
-        actions.peek(state, not io.want_text_input and not io.key_mods and imgui.is_key_down(PEEK))
+        enhancement_actions.peek(
+            state, not io.want_text_input and not io.key_mods and imgui.is_key_down(PEEK)
+        )
         # While controls are walked by keyboard, these keys are of the walk, and Escape ends it.
         walks, self._walked = io.nav_visible or self._walked, io.nav_visible
         if free and not walks:

@@ -11,7 +11,14 @@ from app.enhancement.frame_enhancer import Pictures
 from app.enhancement.settable import MODES, SLOTS, SOURCES
 from app.exports.comparison_images import heat_scale
 from app.files.legible import capital, without_flags
-from app.gui.actions import actions, clip_actions, comparing, laid_out, live_actions, picture_actions
+from app.gui.actions import (
+    clip_actions,
+    comparing,
+    enhancement_actions,
+    laid_out,
+    live_actions,
+    picture_actions,
+)
 from app.gui.commands.commands import one_to_one
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.faint_vessels import draw_faint_vessels
@@ -77,7 +84,7 @@ def draw_compare(state: AppState, textures: ShowsPictures) -> None:
 
 def _draw_toolbar(state: AppState) -> None:
     chosen, label = state.comparing.chosen, f"Enhancement {'on' if state.enhancement.active else 'off'}"
-    turn, active = partial(actions.toggle_enhancement, state), state.enhancement.active
+    turn, active = partial(enhancement_actions.toggle_enhancement, state), state.enhancement.active
     toggle(f"{label}###enhancing", turn, ENHANCING_TEXT, on=active, width=8)
     beside("Frozen")
     frozen, freeze = state.is_frozen, partial(live_actions.toggle_freeze, state)

@@ -14,7 +14,7 @@ from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings
 from app.enhancement.settable import Pixels, Scope
 from app.enhancement.setting_words import VESSEL_LABELS, before_strength
 from app.files.legible import as_label, legible, named
-from app.gui.actions import actions, preset_actions
+from app.gui.actions import enhancement_actions, preset_actions
 from app.gui.actions import history_actions as history
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.enhancement_measured import draw_curves, draw_measures
@@ -73,7 +73,7 @@ def draw_enhancement(state: AppState, textures: ShowsPictures) -> None:
     now = type(state.enhancement.params)
     chosen = choose_row("Method", now, METHODS, METHOD_TEXT)
     if chosen is not now:
-        actions.choose_method(state, chosen)
+        enhancement_actions.choose_method(state, chosen)
     draw_presets(state, textures)
     _change(state, slide(state.enhancement.params, "strength", "Strength"))
     _draw_edits(state)
@@ -206,13 +206,13 @@ def _draw_settings(state: AppState) -> None:
     elif isinstance(params, EnhanceParams):
         used = None if shown is None else before_strength(params, shown)
         _change(state, _draw_windows(_draw_paper(params, used), used))
-    actions.choose_scope(state, choose_row("Statistics", chosen.scope, SCOPES, SCOPE_TEXT))
-    actions.choose_pixels(state, choose_row("Pixels", chosen.pixels, PIXELS, PIXELS_TEXT))
+    enhancement_actions.choose_scope(state, choose_row("Statistics", chosen.scope, SCOPES, SCOPE_TEXT))
+    enhancement_actions.choose_pixels(state, choose_row("Pixels", chosen.pixels, PIXELS, PIXELS_TEXT))
 
 
 def _change(state: AppState, params: EnhancementSettings) -> None:
     if params != state.enhancement.params:
-        actions.set_params(state, params)
+        enhancement_actions.set_params(state, params)
 
 
 def _draw_paper(params: EnhanceParams, used: Statistics | None) -> EnhanceParams:
@@ -245,7 +245,7 @@ def _draw_edits(state: AppState) -> None:
     edits = (
         ("Undo", history.undo, "Ctrl+Z", len(chosen.past) > 1),
         ("Redo", history.redo, "Ctrl+Y", bool(chosen.future)),
-        ("Reset all", actions.reset_params, RESET_TEXT, actions.can_reset(state)),
+        ("Reset all", enhancement_actions.reset_params, RESET_TEXT, enhancement_actions.can_reset(state)),
     )
     for (label, act, text, enabled), width in in_line(edits):
         button(label, partial(act, state), text, enabled=enabled, width=width)

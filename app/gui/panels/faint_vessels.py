@@ -8,7 +8,7 @@ from functools import partial
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
-from app.gui.actions import actions
+from app.gui.actions import enhancement_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import faint_vessels
 from app.gui.style import theme
@@ -63,9 +63,13 @@ def _way_out(state: AppState) -> tuple[str, Callable[[], object], str]:
     """A button's label, what it does, and its explanation."""
     params = state.enhancement.params
     if isinstance(params, EnhanceParams):
-        return "Use Vessel", partial(actions.choose_method, state, VesselParams), VESSEL_TEXT
+        return "Use Vessel", partial(enhancement_actions.choose_method, state, VesselParams), VESSEL_TEXT
     if params.lift > 0:
         plain = replace(params, lift=0.0)
-        plainly = partial(actions.use_params, state, plain, "Vessel without brightening")
+        plainly = partial(enhancement_actions.use_params, state, plain, "Vessel without brightening")
         return "No brightening", plainly, LIFT_TEXT
-    return "Turn off", partial(actions.toggle_enhancement, state), "E: the frame as it was recorded."
+    return (
+        "Turn off",
+        partial(enhancement_actions.toggle_enhancement, state),
+        "E: the frame as it was recorded.",
+    )

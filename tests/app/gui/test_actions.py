@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from app.gui.actions import actions, arriving, history_actions, job_actions
+from app.gui.actions import actions, arriving, enhancement_actions, history_actions, job_actions
 from app.gui.state import run_words
 from app.gui.state.app_state import AppState
 from app.gui.update.jobs import start_due
@@ -79,19 +79,19 @@ def test_stepping_thaws_and_stops(state: AppState) -> None:
 
 
 def test_white_light_asks_for_no_enhancement(state: AppState) -> None:
-    actions.white_light(state)
+    enhancement_actions.white_light(state)
     assert state.picture_request is not None
     assert state.picture_request.params is None
-    actions.toggle_enhancement(state)
+    enhancement_actions.toggle_enhancement(state)
     assert state.picture_request.params == state.enhancement.params
 
 
 def test_one_drag_is_one_step_of_undo(state: AppState) -> None:
     for d_factor in (1.1, 1.2, 1.3):  # The slider is held.
-        actions.set_params(state, replace(state.enhancement.params, d_factor=d_factor))
-    actions.settle_params(state)
-    actions.set_params(state, replace(state.enhancement.params, z=0.3))
-    actions.settle_params(state)
+        enhancement_actions.set_params(state, replace(state.enhancement.params, d_factor=d_factor))
+    enhancement_actions.settle_params(state)
+    enhancement_actions.set_params(state, replace(state.enhancement.params, z=0.3))
+    enhancement_actions.settle_params(state)
     seen = [state.enhancement.params]
     for _ in range(3):
         history_actions.undo(state)
@@ -108,30 +108,30 @@ def test_one_drag_is_one_step_of_undo(state: AppState) -> None:
 
 
 def test_reset_can_be_undone_and_a_change_ends_redo(state: AppState) -> None:
-    actions.set_params(state, EnhanceParams(z=0.2))
-    actions.settle_params(state)
-    actions.reset_params(state)
+    enhancement_actions.set_params(state, EnhanceParams(z=0.2))
+    enhancement_actions.settle_params(state)
+    enhancement_actions.reset_params(state)
     history_actions.undo(state)
     assert state.enhancement.params == EnhanceParams(z=0.2)
-    actions.set_params(state, EnhanceParams(z=0.9))
-    actions.settle_params(state)
+    enhancement_actions.set_params(state, EnhanceParams(z=0.9))
+    enhancement_actions.settle_params(state)
     history_actions.redo(state)
     assert state.enhancement.params == EnhanceParams(z=0.9)
 
 
 def test_reset_resets_all_but_the_method(state: AppState) -> None:
-    assert not actions.can_reset(state)
+    assert not enhancement_actions.can_reset(state)
     for change in (
         {"params": VesselParams(strength=0.3)}, {"params": VesselParams(), "scope": "image"},
         {"pixels": "tissue"},
     ):  # fmt: skip
         for name, value in change.items():
             setattr(state.enhancement, name, value)
-        assert actions.can_reset(state)
-        actions.reset_params(state)
+        assert enhancement_actions.can_reset(state)
+        enhancement_actions.reset_params(state)
         chosen = state.enhancement
         assert (chosen.params, chosen.scope, chosen.pixels) == (VesselParams(), "automatic", "automatic")
-        assert not actions.can_reset(state)
+        assert not enhancement_actions.can_reset(state)
 
 
 def test_an_opened_clip_starts_a_session_and_is_remembered(state: AppState, tmp_path: Path) -> None:
@@ -164,7 +164,7 @@ def test_the_request_holds_what_was_chosen(state: AppState, make_job: MakeFake) 
     run = state.runs.reconstruction
     run.input, run.name = "enhanced", "my run / 1"
     run.config = replace(run.config, method="static", iterations=20)
-    actions.set_params(state, EnhanceParams(z=0.3, d_factor=2.0))
+    enhancement_actions.set_params(state, EnhanceParams(z=0.3, d_factor=2.0))
     request = started(state, make_job).request
     assert isinstance(request, TrainRequest)
     assert request.run_path == state.places.runs / "my-run-1"
@@ -217,7 +217,7 @@ def test_continue_asks_for_what_was_begun_whatever_was_chosen_since(
     run = state.runs.reconstruction
     run.status, run.told = "cancelled", TrainingLog((Progress(1, 7, 0.5, 20.0, 1.0, 9.0, 30),))
     run.config = replace(run.config, iterations=7)
-    actions.set_params(state, EnhanceParams(z=0.9))
+    enhancement_actions.set_params(state, EnhanceParams(z=0.9))
     assert job_actions.can_continue(state)
     job_actions.continue_reconstruction(state)
     start_due(state, make_job)

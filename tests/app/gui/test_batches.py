@@ -17,7 +17,7 @@ from app.files.image_files import read_image
 from app.files.image_series import Series
 from app.files.legible import located
 from app.files.provenance import read_provenance
-from app.gui.actions import actions, batch_actions, closing
+from app.gui.actions import actions, batch_actions, closing, enhancement_actions
 from app.gui.commands.keys import chord
 from app.gui.panels.batches import draw_batches
 from app.gui.state.app_state import AppState
@@ -89,10 +89,10 @@ def test_the_present_setting_is_used_and_every_file_comes_again(
 ) -> None:
     person = Person(places)
     assert batch_actions.why_not_start(person.state) == "Add files or folders first."
-    actions.set_params(person.state, EnhanceParams(d_factor=0.3))
+    enhancement_actions.set_params(person.state, EnhanceParams(d_factor=0.3))
     assert "Colour 0.77" in batch_actions.summary(person.state)
     output = person.begin(case)
-    actions.set_params(person.state, EnhanceParams(d_factor=4.0))  # Too late for this batch.
+    enhancement_actions.set_params(person.state, EnhanceParams(d_factor=4.0))  # Too late for this batch.
     assert person.state.is_busy
     person.finish()
     assert files(output) == {"scope.mp4", "scope.mp4.json", *(f"stills/{index}.png" for index in range(3))}
@@ -111,7 +111,7 @@ def test_the_present_setting_is_used_and_every_file_comes_again(
 
 def test_scope_and_tissue_are_those_of_the_panel(places: Places, case: Path) -> None:
     person = Person(places)
-    actions.set_params(person.state, VesselParams())
+    enhancement_actions.set_params(person.state, VesselParams())
     person.state.enhancement.scope, person.state.enhancement.pixels = "clip", "tissue"
     output = person.begin(case / "stills", case / "scope.avi")
     person.finish()
@@ -150,7 +150,7 @@ def test_pictures_are_served_meanwhile_and_cancel_keeps_what_is_whole(places: Pl
         now = person.state.batches.progressed
         if now is not None and now.step.place == 1 and now.step.done == 1:
             break
-    actions.set_params(person.state, EnhanceParams(z=0.4))
+    enhancement_actions.set_params(person.state, EnhanceParams(z=0.4))
     person.turn(2)
     assert person.state.picture.pictures is not None
     assert person.state.picture.pictures.request == person.state.picture_request

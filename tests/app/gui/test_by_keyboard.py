@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from imgui_bundle import imgui
 
-from app.gui.actions import actions
+from app.gui.actions import actions, enhancement_actions
 from app.gui.commands.keys import chord
 from app.gui.work.settings import Places, Settings
 from assets import phantom_path
@@ -43,7 +43,7 @@ def visited(ctx: Context) -> set[int]:
 def test_every_panel_and_control_is_reached(places: Places) -> None:
     driver = Driver(places, Settings(acknowledged=True), [])
     state = driver.state
-    actions.set_params(state, EnhanceParams())
+    enhancement_actions.set_params(state, EnhanceParams())
     actions.open_path(state, phantom_path())
 
     def drive(ctx: Context) -> None:
@@ -79,7 +79,7 @@ def test_every_panel_and_control_is_reached(places: Places) -> None:
 def test_a_slider_a_list_a_menu_and_the_timeline_by_keys_alone(places: Places) -> None:
     driver = Driver(places, Settings(acknowledged=True), [])
     state = driver.state
-    actions.set_params(state, EnhanceParams())
+    enhancement_actions.set_params(state, EnhanceParams())
     actions.open_path(state, phantom_path())
 
     def to(ctx: Context, panel: str) -> None:

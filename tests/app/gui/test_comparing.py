@@ -16,7 +16,7 @@ from app.enhancement.image_mask import PictureMask
 from app.enhancement.settable import SOURCES
 from app.exports.comparison_images import DifferenceRequest, OtherMaker, OtherRequest, heat_map
 from app.files.legible import named
-from app.gui.actions import actions, clip_actions, comparing, history_actions
+from app.gui.actions import actions, clip_actions, comparing, enhancement_actions, history_actions
 from app.gui.drawing.viewport import Viewport
 from app.gui.frame.second_content import SecondContent
 from app.gui.state.app_state import AppState
@@ -128,7 +128,7 @@ def test_peek_and_white_light_show_the_frame_whatever_is_compared(
     for side in ("left", "right"):
         assert image(state, side) is state.picture.pictures.original  # type: ignore[union-attr]
         assert "peek" in said(state, side)
-    actions.white_light(state)
+    enhancement_actions.white_light(state)
     settle(state, channels)
     for side in ("left", "right"):
         np.testing.assert_array_equal(image(state, side), image_of(0))
@@ -220,9 +220,9 @@ def test_models_count_among_what_is_kept(
 
 
 def test_storing_and_recalling_are_steps_of_undo(state: AppState) -> None:
-    actions.set_params(state, EnhanceParams(z=0.2))
+    enhancement_actions.set_params(state, EnhanceParams(z=0.2))
     comparing.store(state, "B")
-    actions.set_params(state, EnhanceParams(z=0.9))
+    enhancement_actions.set_params(state, EnhanceParams(z=0.9))
     comparing.recall(state, "B")
     assert state.enhancement.params == EnhanceParams(z=0.2)
     history_actions.undo(state)
@@ -276,7 +276,7 @@ def test_the_difference_is_of_the_two_panes(state: AppState, channels: Channels)
     shown = pane_now()
     assert not shown.stale
     assert "ORIGINAL − ENHANCED" in shown.tags[0].text
-    actions.set_params(state, EnhanceParams(z=0.0))
+    enhancement_actions.set_params(state, EnhanceParams(z=0.0))
     assert pane_now().stale
 
 

@@ -14,7 +14,7 @@ from imgui_bundle import ImVec2, imgui
 from app.enhancement.frame_enhancer import PictureMaker
 from app.enhancement.measures import VesselsSeen
 from app.enhancement.settable import Mode
-from app.gui.actions import actions, comparing
+from app.gui.actions import comparing, enhancement_actions
 from app.gui.drawing.textures import OnPane
 from app.gui.panels import faint_vessels as panel
 from app.gui.state.app_state import AppState
@@ -46,7 +46,7 @@ def seen(opened: AppState) -> AppState:
 
 def test_it_is_said_of_the_picture_and_setting_on_screen(seen: AppState) -> None:
     assert faint_vessels(seen) == FAINTER
-    actions.set_params(seen, EnhanceParams(z=0.1))
+    enhancement_actions.set_params(seen, EnhanceParams(z=0.1))
     assert faint_vessels(seen) is None
 
 
@@ -82,7 +82,7 @@ def test_the_paper_s_method_in_full_strength_that_hardly_helps_is_said(seen: App
 
 def test_vessel_and_half_the_strength_may_hardly_help(seen: AppState) -> None:
     for params in (VesselParams(), EnhanceParams(strength=0.5)):
-        actions.set_params(seen, params)
+        enhancement_actions.set_params(seen, params)
         assert seen.picture_request is not None
         assert seen.picture.measured is not None
         seen.picture.pictures = list(PictureMaker().make(seen.picture_request))[-1]
@@ -187,7 +187,7 @@ def test_one_click_changes_to_the_preset(ui: Ui, seen: AppState) -> None:
 
 def test_the_preset_is_offered_without_brightening_and_at_last_the_frame(ui: Ui, seen: AppState) -> None:
     for before, after in ((VesselParams(), VesselParams(lift=0.0)), (VesselParams(lift=0.0), None)):
-        actions.set_params(seen, before)
+        enhancement_actions.set_params(seen, before)
         assert seen.picture_request is not None
         seen.picture.pictures = list(PictureMaker().make(seen.picture_request))[-1]
         measured = seen.picture.measured

@@ -12,7 +12,7 @@ from app.exports.make import view_moments, view_pages
 from app.exports.records import PanesPicture, ViewVideo
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance
-from app.gui.actions import actions, camera_actions, export_actions, second_actions
+from app.gui.actions import camera_actions, enhancement_actions, export_actions, second_actions
 from app.gui.work.settings import Places
 from app.scenes.drawer import Drawer, draw_view
 from app.scenes.view_request import ViewRequest
@@ -56,7 +56,7 @@ def test_as_much_of_the_frame_as_on_screen(snapped: Exporter, runs: dict[str, Pa
 
 def test_white_light_is_white_light_in_the_file(snapped: Exporter, runs: dict[str, Path]) -> None:
     camera_actions.blend(snapped.state, 0.0)
-    actions.white_light(snapped.state)
+    enhancement_actions.white_light(snapped.state)
     path = snapped.made("3D view")
     np.testing.assert_array_equal(read_image(path)[HEAD : HEAD + 48], alone(snapped)[1])
     assert same(path, runs["enhanced"])
@@ -87,7 +87,7 @@ def test_of_two_views_each_has_its_own_share(snapped: Exporter, runs: dict[str, 
     second_actions.open_second(state, runs["original"])
     snapped.turn()
     camera_actions.blend(state, 0.0)
-    actions.white_light(state)
+    enhancement_actions.white_light(state)
     request = export_actions.shown_request(state)
     assert request is not None
     assert isinstance(request.record, PanesPicture)

@@ -16,6 +16,7 @@ from app.gui.actions import (
     clip_actions,
     comparing,
     depth_actions,
+    enhancement_actions,
     history_actions,
     job_actions,
     path_actions,
@@ -61,11 +62,12 @@ def pooled(state: AppState) -> None:
 
 
 SETTINGS: dict[str, Set] = {
-    "colour": lambda s: actions.set_params(s, EnhanceParams(d_factor=2.0)),
-    "enhancement": lambda s: preset_actions.choose(s, "Paper, colour 0.67 (3D)") or actions.set_params(
-        s, EnhanceParams(z=0.5, d_factor=0.1)
+    "colour": lambda s: enhancement_actions.set_params(s, EnhanceParams(d_factor=2.0)),
+    "enhancement": lambda s: (
+        preset_actions.choose(s, "Paper, colour 0.67 (3D)")
+        or enhancement_actions.set_params(s, EnhanceParams(z=0.5, d_factor=0.1))
     ),
-    "method": lambda s: actions.choose_method(s, VesselParams),
+    "method": lambda s: enhancement_actions.choose_method(s, VesselParams),
     "statistics": pooled,
     "trim": trim,
     "mask": lambda s: clip_actions.set_mask(s, PictureMask(text=(1, 2, 3, 4))),
@@ -84,8 +86,8 @@ def test_every_setting_is_undone_and_redone_in_its_turn(state: AppState) -> None
     seen: list[SettingsSnapshot] = [state.chosen]
     for name, act in SETTINGS.items():
         act(state)
-        actions.settle_params(state)
-        actions.settle_params(state)  # Frames in which nothing changes are no steps.
+        enhancement_actions.settle_params(state)
+        enhancement_actions.settle_params(state)  # Frames in which nothing changes are no steps.
         seen.append(state.chosen)
         assert seen[-1] != seen[-2]
         if name != "enhancement":  # Choosing a preset and then another value are two steps.
@@ -104,7 +106,7 @@ def test_every_setting_is_undone_and_redone_in_its_turn(state: AppState) -> None
 def test_a_drag_is_one_step(state: AppState) -> None:
     for width in range(1, 20):
         clip_actions.set_mask(state, PictureMask(text=(0, 0, width, 5)))
-    actions.settle_params(state)
+    enhancement_actions.settle_params(state)
     assert len(state.enhancement.past) == 2
     history_actions.undo(state)
     assert state.source.part.mask == PictureMask()
@@ -112,12 +114,12 @@ def test_a_drag_is_one_step(state: AppState) -> None:
 
 def test_looking_is_no_step_and_is_left_as_it_is(state: AppState) -> None:
     comparing.choose_mode(state, "wipe")
-    actions.settle_params(state)
+    enhancement_actions.settle_params(state)
     state.comparing.chosen = state.comparing.chosen.wiped(0.2)
     state.picture.view, state.timeline.playing = PictureView(3.0, (0.1, 0.2)), True
     actions.seek(state, 4)
-    actions.toggle_enhancement(state)
-    actions.settle_params(state)
+    enhancement_actions.toggle_enhancement(state)
+    enhancement_actions.settle_params(state)
     assert len(state.enhancement.past) == 2
     history_actions.undo(state)
     assert (state.comparing.chosen.mode, state.comparing.chosen.wipe) == ("side by side", 0.2)
@@ -129,10 +131,10 @@ def test_what_was_deleted_comes_back_and_that_is_said(state: AppState) -> None:
     state.scene.cameras.views = views
     summary_actions.add_file(state, Path("saved.png"))
     summary_actions.type_note(state, 0, "a long note")
-    actions.settle_params(state)
+    enhancement_actions.settle_params(state)
     images = state.summary.items
     path_actions.delete_view(state, 0)
-    actions.settle_params(state)
+    enhancement_actions.settle_params(state)
     summary_actions.remove(state, 0)
     assert (state.scene.cameras.views.named, state.summary.items) == ((), ())
     history_actions.undo(state)
@@ -143,7 +145,7 @@ def test_what_was_deleted_comes_back_and_that_is_said(state: AppState) -> None:
 
 def test_a_new_case_is_not_undone(state: AppState) -> None:
     summary_actions.add_file(state, Path("saved.png"))
-    actions.settle_params(state)
+    enhancement_actions.settle_params(state)
     session_actions.answer_new_case(state, agreed=True)
     while len(state.enhancement.past) > 1:
         history_actions.undo(state)
@@ -153,17 +155,17 @@ def test_a_new_case_is_not_undone(state: AppState) -> None:
 
 def test_something_new_ends_what_could_be_redone(state: AppState) -> None:
     trim(state)
-    actions.settle_params(state)
+    enhancement_actions.settle_params(state)
     history_actions.undo(state)
     pooled(state)
-    actions.settle_params(state)
+    enhancement_actions.settle_params(state)
     history_actions.redo(state)
     assert state.source.part == ClipPart()
 
 
 def test_an_undone_trim_is_undone_for_the_next_time_too(state: AppState, places: Places) -> None:
     trim(state)
-    actions.settle_params(state)
+    enhancement_actions.settle_params(state)
     keep_all(state)
     assert load_clips(places.config)
     history_actions.undo(state)
@@ -175,11 +177,11 @@ def test_an_undone_trim_is_undone_for_the_next_time_too(state: AppState, places:
 def test_no_step_leads_into_another_clip(state: AppState, places: Places, *, trimmed: bool) -> None:
     if trimmed:
         trim(state)
-    actions.set_params(state, EnhanceParams(d_factor=2.0))
-    actions.settle_params(state)
+    enhancement_actions.set_params(state, EnhanceParams(d_factor=2.0))
+    enhancement_actions.settle_params(state)
     other = make_clip(places.config.parent / "other", 3)
     arriving.show_opened(state, other.path, Opened(other))
-    actions.settle_params(state)
+    enhancement_actions.settle_params(state)
     while len(state.enhancement.past) > 1:
         history_actions.undo(state)
     assert state.source.part == ClipPart()
@@ -191,13 +193,13 @@ def test_undo_gets_past_depth_that_cannot_be_read(state: AppState) -> None:
         wish = state.source.depth_wish
         if wish is not None:
             depth_actions.take_depth(state, wish, Failure(UserError("the drive is gone")))
-        actions.settle_params(state)
+        enhancement_actions.settle_params(state)
 
     state.source.bare = state.source.clip
-    actions.set_params(state, EnhanceParams(d_factor=2.0))
-    actions.settle_params(state)
+    enhancement_actions.set_params(state, EnhanceParams(d_factor=2.0))
+    enhancement_actions.settle_params(state)
     depth_actions.choose_source(state, "brightness")
-    actions.settle_params(state)
+    enhancement_actions.settle_params(state)
     fails()
     assert [step.depth for step in state.enhancement.past] == ["auto", "auto"]
     history_actions.undo(state)

@@ -10,7 +10,7 @@ import pytest
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
 from app.enhancement.measures import METRICS
-from app.gui.actions import actions
+from app.gui.actions import enhancement_actions
 from app.gui.panels.enhancement_measured import misleads
 from app.gui.panels.tuning import SORT_LABELS
 from app.gui.state import scales
@@ -93,7 +93,7 @@ def test_measuring_waits_for_the_hand_and_never_twice(state: AppState) -> None:
     assert first.pictures is state.picture.pictures
     settle(2.0)
     assert state.picture.measured is first
-    actions.set_params(state, EnhanceParams(z=0.1))
+    enhancement_actions.set_params(state, EnhanceParams(z=0.1))
     settle(2.1)
     assert state.picture.measured is first  # Of the setting before: shown grey.
     settle(2.1 + REST + 0.01)

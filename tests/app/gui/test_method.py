@@ -10,7 +10,7 @@ import numpy as np
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
 from app.enhancement.setting_words import VESSEL_LABELS
 from app.files.provenance import read_provenance
-from app.gui.actions import actions, history_actions, job_actions
+from app.gui.actions import enhancement_actions, history_actions, job_actions
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.enhancement_measured import UNUSED, facts_of
 from app.gui.state.app_state import AppState
@@ -41,26 +41,26 @@ def test_the_preset_s_picture_is_the_library_s(clip: Clip) -> None:
 
 
 def test_each_method_keeps_its_parameters_and_undo_goes_between_them(state: AppState) -> None:
-    actions.set_params(state, EnhanceParams(z=0.3))
-    actions.choose_method(state, VesselParams)
+    enhancement_actions.set_params(state, EnhanceParams(z=0.3))
+    enhancement_actions.choose_method(state, VesselParams)
     assert state.enhancement.params == VesselParams()
-    actions.settle_params(state)
-    actions.set_params(state, STRONG)
-    actions.choose_method(state, EnhanceParams)
+    enhancement_actions.settle_params(state)
+    enhancement_actions.set_params(state, STRONG)
+    enhancement_actions.choose_method(state, EnhanceParams)
     assert state.enhancement.params == EnhanceParams(z=0.3)
-    actions.choose_method(state, VesselParams)
+    enhancement_actions.choose_method(state, VesselParams)
     assert state.enhancement.params == STRONG
     for wanted in (EnhanceParams(z=0.3), STRONG, VesselParams(), EnhanceParams(z=0.3), EnhanceParams()):
         history_actions.undo(state)
         assert state.enhancement.params == wanted
-    actions.set_params(state, STRONG)
-    actions.reset_params(state)
+    enhancement_actions.set_params(state, STRONG)
+    enhancement_actions.reset_params(state)
     assert state.enhancement.params == VesselParams()
 
 
 def test_a_reconstruction_takes_the_image_s_method(state: AppState) -> None:
-    actions.set_params(state, EnhanceParams(z=0.3))
-    actions.choose_method(state, VesselParams)
+    enhancement_actions.set_params(state, EnhanceParams(z=0.3))
+    enhancement_actions.choose_method(state, VesselParams)
     job_actions.start_reconstruction(state)
     start_due(state, FakeJob)
     request = state.runs.reconstruction.request
@@ -70,7 +70,7 @@ def test_a_reconstruction_takes_the_image_s_method(state: AppState) -> None:
 
 def test_every_parameter_of_the_preset_has_its_slider(ui: Ui, state: AppState) -> None:
     assert {*VESSEL_LABELS, "strength"} == {field.name for field in fields(VesselParams)}
-    actions.choose_method(state, VesselParams)
+    enhancement_actions.choose_method(state, VesselParams)
     for _ in range(2):
         ui.frame(lambda: draw_enhancement(state, Shown()))
     assert state.enhancement.params == VesselParams()

@@ -8,7 +8,7 @@ import pytest
 from imgui_bundle import imgui
 
 from app.gui import window
-from app.gui.actions import actions
+from app.gui.actions import actions, enhancement_actions
 from app.gui.panels.compare import draw_compare
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.state.app_state import AppState
@@ -34,7 +34,7 @@ def test_the_picture_of_a_moved_setting_is_in_the_same_frame(
         draw_enhancement(state, *rest)
         if is_settled(state) and len(moves) < len(MOVED):
             moves.append((MOVED[len(moves)], imgui.get_frame_count()))
-            actions.set_params(state, MOVED[len(moves) - 1])
+            enhancement_actions.set_params(state, MOVED[len(moves) - 1])
 
     def look(state: AppState, *rest: Any) -> None:
         if state.picture.pictures is not None:

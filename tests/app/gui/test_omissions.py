@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
-from app.gui.actions import actions, history_actions, job_actions
+from app.gui.actions import enhancement_actions, history_actions, job_actions
 from app.gui.panels import reconstruction
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.state.app_state import AppState
@@ -114,7 +114,7 @@ def test_what_is_kept_reaches_the_job_as_from_the_command_line_and_is_undone(
     for part in both:
         job_actions.keep_part(state, part, kept=True)
         job_actions.keep_part(state, part, kept=True)
-        actions.settle_params(state)
+        enhancement_actions.settle_params(state)
     jobs: list[TrainRequest] = []
 
     def make_job(request: TrainRequest) -> FakeJob:

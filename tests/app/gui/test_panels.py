@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from imgui_bundle import ImVec2, imgui, implot
 
-from app.gui.actions import actions, history_actions, job_actions, path_actions
+from app.gui.actions import enhancement_actions, history_actions, job_actions, path_actions
 from app.gui.panels import reconstruction
 from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.enhancement import draw_enhancement
@@ -65,7 +65,7 @@ def test_dragging_a_slider_is_live_and_one_undo(ui: Ui, opened: AppState) -> Non
         window = imgui.get_window_pos()
         spots["strength"] = (window.x + 300, window.y + 10 + 2.5 * imgui.get_frame_height_with_spacing())
         if not imgui.is_any_item_active():
-            actions.settle_params(opened)
+            enhancement_actions.settle_params(opened)
 
     ui.frame(draw)
     start = spots["strength"]

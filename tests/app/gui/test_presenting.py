@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 
-from app.gui.actions import actions, floating_windows, presenting, tuning_actions
+from app.gui.actions import actions, enhancement_actions, floating_windows, presenting, tuning_actions
 from app.gui.commands.keys import chord
 from app.gui.frame import starting
 from app.gui.frame.window_shots import read_window
@@ -146,9 +146,9 @@ def test_keys_of_a_presentation(ui: Ui, opened: AppState, model: DynamicGaussian
 
 def test_ctrl_z_undoes_the_stroke_while_tools_are_masked_in_a_presentation(ui: Ui, opened: AppState) -> None:
     begun(opened)
-    actions.settle_params(opened)
-    actions.set_params(opened, EnhanceParams(z=0.2))
-    actions.settle_params(opened)
+    enhancement_actions.settle_params(opened)
+    enhancement_actions.set_params(opened, EnhanceParams(z=0.2))
+    enhancement_actions.settle_params(opened)
     draw, key = presented(opened, Shown()), imgui.Key
     ui.press(draw, key.f5)
     stroke(opened, (10.0, 20.0))

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.gui.actions import actions, history_actions, preset_actions
+from app.gui.actions import enhancement_actions, history_actions, preset_actions
 from app.gui.state.app_state import AppState
 from app.gui.work.presets import (
     BUILT_IN,
@@ -104,10 +104,10 @@ def test_a_name_that_is_there_is_told_before_it_is_replaced(state: AppState) -> 
 
 
 def test_keeping_choosing_and_forgetting(state: AppState) -> None:
-    actions.set_params(state, OWN["mine"])
+    enhancement_actions.set_params(state, OWN["mine"])
     preset_actions.keep(state, "  mine ")
     keep_all(state)
-    actions.set_params(state, EnhanceParams(z=0.9))
+    enhancement_actions.set_params(state, EnhanceParams(z=0.9))
     preset_actions.choose(state, "mine")
     assert state.enhancement.params == OWN["mine"]
     history_actions.undo(state)
@@ -125,7 +125,7 @@ def test_keeping_choosing_and_forgetting(state: AppState) -> None:
 
 def test_an_own_preset_is_renamed_but_takes_no_other_ones_place(state: AppState) -> None:
     for name, z in (("mine", 0.3), ("yours", 0.6)):
-        actions.set_params(state, EnhanceParams(z=z))
+        enhancement_actions.set_params(state, EnhanceParams(z=z))
         preset_actions.keep(state, name)
         keep_all(state)
     for typed in ("yours", "Paper", " "):

@@ -11,7 +11,14 @@ import pytest
 from imgui_bundle import imgui
 from PIL import Image
 
-from app.gui.actions import actions, clip_actions, depth_actions, history_actions, job_actions
+from app.gui.actions import (
+    actions,
+    clip_actions,
+    depth_actions,
+    enhancement_actions,
+    history_actions,
+    job_actions,
+)
 from app.gui.state.app_state import AppState
 from app.gui.state.source import Source
 from app.gui.update.channels import Channels
@@ -79,7 +86,7 @@ def test_a_clip_without_depth_can_be_guessed_and_loses_nothing(places: Places, t
     assert "no right images" in depth_actions.why_not(state, "stereo")
     depth_actions.choose_way(state, "stereo")  # Greyed.
     assert state.source.depth_wish is None
-    actions.set_params(state, EnhanceParams(z=0.3))
+    enhancement_actions.set_params(state, EnhanceParams(z=0.3))
     actions.seek(state, 4)
     turn(state, channels)
     shown = state.picture.pictures
@@ -162,10 +169,10 @@ def test_why_there_is_no_depth_names_no_path(places: Places, tmp_path: Path) -> 
 
 def test_undo_takes_the_depth_back(places: Places, tmp_path: Path) -> None:
     state, channels = opened(places, write_video(tmp_path / "video"))
-    actions.settle_params(state)
+    enhancement_actions.settle_params(state)
     depth_actions.choose_way(state, "guessed")
     turn(state, channels)
-    actions.settle_params(state)
+    enhancement_actions.settle_params(state)
     assert history_actions.undo_name(state) == "Undo depth"
     history_actions.undo(state)
     turn(state, channels)
@@ -235,10 +242,10 @@ def test_a_run_cut_short_goes_on_with_the_depth_that_it_had(places: Places, tmp_
 def test_frames_follow_the_image_unless_unlinked(state: AppState) -> None:
     run = state.runs.reconstruction
     run.input = "enhanced"
-    actions.set_params(state, VesselParams(strength=1.0))
+    enhancement_actions.set_params(state, VesselParams(strength=1.0))
     assert job_actions.frame_settings(state) == VesselParams(strength=1.0)
     job_actions.link_settings(state, linked=False)
-    actions.set_params(state, EnhanceParams(d_factor=0.4))
+    enhancement_actions.set_params(state, EnhanceParams(d_factor=0.4))
     assert job_actions.frame_settings(state) == VesselParams(strength=1.0)
     assert run.kept is not None
     assert job_actions.moment(run.kept).count(":") == 1
@@ -246,7 +253,7 @@ def test_frames_follow_the_image_unless_unlinked(state: AppState) -> None:
     job_actions.keep_settings_now(state)
     assert job_actions.frame_settings(state) == EnhanceParams(d_factor=0.4)
     job_actions.link_settings(state, linked=True)
-    actions.set_params(state, EnhanceParams())
+    enhancement_actions.set_params(state, EnhanceParams())
     assert job_actions.frame_settings(state) == EnhanceParams()
 
 

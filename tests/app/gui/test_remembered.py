@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from app.gui.actions import actions, arriving, comparing, history_actions, remembered
+from app.gui.actions import actions, arriving, comparing, enhancement_actions, history_actions, remembered
 from app.gui.state.app_state import AppState
 from app.gui.state.choosing import Kind
 from app.gui.work.keeping import KeepSettings
@@ -45,9 +45,9 @@ def test_a_first_window_opens_with_vessels_and_nothing_to_undo(begun: AppState) 
 
 
 def test_method_statistics_pixels_and_comparison_come_back(begun: AppState) -> None:
-    actions.choose_method(begun, EnhanceParams)
-    actions.choose_scope(begun, "image")
-    actions.choose_pixels(begun, "all")
+    enhancement_actions.choose_method(begun, EnhanceParams)
+    enhancement_actions.choose_scope(begun, "image")
+    enhancement_actions.choose_pixels(begun, "all")
     comparing.choose_mode(begun, "wipe")
     later = next_start(begun)
     chosen = later.enhancement
@@ -63,16 +63,16 @@ def test_no_window_opens_with_differences(begun: AppState) -> None:
 
 
 def test_parameters_start_at_the_standard_of_their_method(begun: AppState) -> None:
-    actions.set_params(begun, VesselParams(strength=4.0))
+    enhancement_actions.set_params(begun, VesselParams(strength=4.0))
     assert next_start(begun).enhancement.params == VesselParams()
 
 
 def test_what_is_undone_or_reset_does_not_come_back(begun: AppState) -> None:
-    actions.choose_method(begun, EnhanceParams)
-    actions.settle_params(begun)
+    enhancement_actions.choose_method(begun, EnhanceParams)
+    enhancement_actions.settle_params(begun)
     history_actions.undo(begun)
-    actions.choose_pixels(begun, "all")
-    actions.reset_params(begun)
+    enhancement_actions.choose_pixels(begun, "all")
+    enhancement_actions.reset_params(begun)
     later = next_start(begun).enhancement
     assert (later.params, later.pixels) == (VesselParams(), "automatic")
 

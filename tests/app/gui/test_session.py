@@ -23,6 +23,7 @@ from app.gui.actions import (
     clip_actions,
     comparing,
     edit_actions,
+    enhancement_actions,
     history_actions,
     recovering,
     session_actions,
@@ -90,9 +91,9 @@ def worked(places: Places, clip_path: Path) -> tuple[AppState, Channels]:
     """A clip is open and much has been set."""
     state, channels = opened_state(places, clip_path)
     assert state.source.clip is not None
-    actions.set_params(state, EnhanceParams(z=0.25, p=(0.1, 0.2, 0.3)))
-    actions.settle_params(state)
-    actions.choose_method(state, VesselParams)
+    enhancement_actions.set_params(state, EnhanceParams(z=0.25, p=(0.1, 0.2, 0.3)))
+    enhancement_actions.settle_params(state)
+    enhancement_actions.choose_method(state, VesselParams)
     actions.seek(state, 5)
     actions.toggle_freeze(state)
     actions.seek(state, 9)
@@ -202,7 +203,7 @@ def test_saved_in_passing_after_each_change_and_only_then(worked: tuple[AppState
     path.unlink()
     turn(state, channels)
     assert not path.exists()  # Nothing has changed.
-    actions.set_params(state, VesselParams(lift=0.3))
+    enhancement_actions.set_params(state, VesselParams(lift=0.3))
     turn(state, channels)
     assert mended_session(path)[0].params == VesselParams(lift=0.3)
     recovering.end(state)

@@ -13,6 +13,7 @@ from app.gui.actions import (
     changing_runs,
     clip_actions,
     depth_actions,
+    enhancement_actions,
     job_actions,
     notes_actions,
     session_actions,
@@ -153,7 +154,7 @@ def test_a_new_case_leaves_the_file_of_the_one_before_as_it_is(first: Window, pl
     state, path = first[0], places.pictures / "a.vesselsplat"
     notes_actions.write_notes(state, "polyp")
     saved(first, path)
-    actions.set_params(state, EnhanceParams(strength=0.5))
+    enhancement_actions.set_params(state, EnhanceParams(strength=0.5))
     session_actions.ask_new_case(state)
     session_actions.answer(state, "save")  # What has changed beside the case is asked about first.
     settle(first)

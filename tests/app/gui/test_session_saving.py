@@ -12,7 +12,14 @@ from imgui_bundle import glfw_utils, imgui
 
 from app.files.provenance import digest
 from app.gui import session_file
-from app.gui.actions import actions, browse_actions, comparing, notes_actions, session_actions
+from app.gui.actions import (
+    actions,
+    browse_actions,
+    comparing,
+    enhancement_actions,
+    notes_actions,
+    session_actions,
+)
 from app.gui.commands import recent_commands
 from app.gui.commands.commands import sections
 from app.gui.commands.keys import chord
@@ -110,7 +117,7 @@ def test_a_saved_session_is_among_recent_files_and_opens_from_there(
     turn(state, channels)
     turn(state, channels)
     assert state.settings.recent[0] == str(path)
-    actions.set_params(state, EnhanceParams(z=0.5))
+    enhancement_actions.set_params(state, EnhanceParams(z=0.5))
     first = recent_commands.opening(state)[0]
     assert first.label.startswith("monday.vesselsplat")
     first.act(state)
@@ -162,7 +169,7 @@ def test_what_has_changed_since_is_marked_and_looking_around_is_no_change(
     for _ in range(3):
         turn(other, channels)
     assert title_of(other) == "monday.vesselsplat - VesselSplat"
-    actions.set_params(other, EnhanceParams(z=0.5))
+    enhancement_actions.set_params(other, EnhanceParams(z=0.5))
     turn(other, channels)
     assert title_of(other) == "monday.vesselsplat* - VesselSplat"
     actions.open_path(other, phantom_path())

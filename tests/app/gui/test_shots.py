@@ -21,7 +21,7 @@ from app.exports.records import PanesPicture
 from app.exports.sizing import Sizing
 from app.files.image_files import read_image
 from app.files.provenance import plain, read_provenance, write_png
-from app.gui.actions import actions, comparing, export_actions
+from app.gui.actions import actions, comparing, enhancement_actions, export_actions
 from app.gui.actions.export_offers import OFFERS
 from app.gui.commands.keys import chord
 from app.gui.panels.export import draw_export
@@ -47,7 +47,7 @@ FOOT = 28
 def test_a_pane_is_what_it_shows_at_the_size_asked_for(run: Exporter, clip_path: Path) -> None:
     state = run.state
     comparing.store(state, "A")
-    actions.set_params(state, EnhanceParams(d_factor=0.2))
+    enhancement_actions.set_params(state, EnhanceParams(d_factor=0.2))
     state.enhancement.scope, state.enhancement.pixels, state.exports.sizing = "clip", "tissue", Sizing(3)
     for source in ("original", "enhanced", "A", "clahe", "render"):
         comparing.choose_source(state, "left", source)
@@ -213,7 +213,7 @@ def test_sliders_are_served_while_a_video_is_made_and_cancel_leaves_nothing(run:
     assert exporting is not None
     assert 0 < run.state.exports.done < 10
     assert export_actions.why_not_export(run.state, "left pane")
-    actions.set_params(run.state, EnhanceParams(z=0.4))
+    enhancement_actions.set_params(run.state, EnhanceParams(z=0.4))
     run.turn(3)
     assert run.state.picture.pictures is not None
     assert run.state.picture.pictures.request == run.state.picture_request

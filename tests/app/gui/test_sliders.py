@@ -14,7 +14,7 @@ from app.enhancement.amounts import AMOUNTS
 from app.enhancement.frame_enhancer import PictureMaker
 from app.enhancement.methods import EnhancementSettings
 from app.enhancement.setting_words import LABELS, before_strength
-from app.gui.actions import actions, history_actions
+from app.gui.actions import enhancement_actions, history_actions
 from app.gui.panels import enhancement
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.state import scales
@@ -60,11 +60,11 @@ class Hand:
             found.clear()
         self.panel(self.state)
         if not imgui.is_any_item_active():
-            actions.settle_params(self.state)
+            enhancement_actions.settle_params(self.state)
 
     def show(self, params: EnhancementSettings) -> None:
         """The image of these settings, too."""
-        actions.set_params(self.state, params)
+        enhancement_actions.set_params(self.state, params)
         assert self.state.picture_request is not None
         self.state.picture.pictures = list(PictureMaker().make(self.state.picture_request))[-1]
         self.frame(2)
@@ -175,7 +175,7 @@ def test_a_drag_takes_over_from_automatic_in_one_step(hand: Hand, name: str) -> 
 
 @pytest.mark.parametrize("name", AUTOMATIC)
 def test_a_double_click_gives_automatic_back(hand: Hand, name: str) -> None:
-    actions.set_params(hand.state, EnhanceParams(**{name: 0.4}))
+    enhancement_actions.set_params(hand.state, EnhanceParams(**{name: 0.4}))
     hand.double_click(name, 0.9)
     hand.frame(60)
     assert hand.state.enhancement.params == EnhanceParams()
@@ -184,14 +184,14 @@ def test_a_double_click_gives_automatic_back(hand: Hand, name: str) -> None:
 @pytest.mark.parametrize("name", AUTOMATIC)
 @pytest.mark.parametrize("given", [{}, {"z": 0.4, "p": 0.4, "d_factor": 0.4}])
 def test_a_number_is_typed(hand: Hand, name: str, given: dict[str, float]) -> None:
-    actions.set_params(hand.state, EnhanceParams(**given))  # type: ignore[arg-type]
+    enhancement_actions.set_params(hand.state, EnhanceParams(**given))  # type: ignore[arg-type]
     hand.type(name, "0.25")
     wanted = {"z": 0.75, "p": 0.25, "d_factor": 3.0}[name]
     assert hand.state.enhancement.params == EnhanceParams(**given | {name: wanted})  # type: ignore[arg-type]
 
 
 def test_a_word_is_chosen_in_a_typed_number_by_a_double_click(hand: Hand) -> None:
-    actions.set_params(hand.state, EnhanceParams(z=0.4))
+    enhancement_actions.set_params(hand.state, EnhanceParams(z=0.4))
     hand.ui.io.add_key_event(imgui.Key.mod_ctrl, True)
     hand.double_click("z", 0.5)
     hand.ui.io.add_key_event(imgui.Key.mod_ctrl, False)
@@ -226,14 +226,14 @@ def test_what_one_window_takes_over_is_not_strengthened_twice(hand: Hand) -> Non
 
 def test_numbers_stand_beside_their_sliders_in_one_column(hand: Hand) -> None:
     for params in (EnhanceParams(), EnhanceParams(z=0.0, p=(0.1, 2.0, 4.0), d_factor=0.5), VesselParams()):
-        actions.set_params(hand.state, params)
+        enhancement_actions.set_params(hand.state, params)
         hand.frame(2)
         assert len(hand.numbers) == len([one for one in hand.numbers if one.gap > 0]) > 5
         assert len({round(one.end) for one in hand.numbers[1:]}) == 1  # The first is above what scrolls.
 
 
 def test_the_numbers_are_amounts(hand: Hand) -> None:
-    actions.set_params(hand.state, EnhanceParams(z=0.07, p=0.5, d_factor=0.25))
+    enhancement_actions.set_params(hand.state, EnhanceParams(z=0.07, p=0.5, d_factor=0.25))
     hand.frame(2)
     assert [one.text for one in hand.numbers[:4]] == ["1.00", "0.93", "0.50", "0.80"]
 

@@ -10,7 +10,14 @@ from imgui_bundle import icons_fontawesome_4 as icons
 from imgui_bundle import imgui
 from PIL import Image
 
-from app.gui.actions import actions, clip_actions, depth_actions, export_actions, job_actions
+from app.gui.actions import (
+    actions,
+    clip_actions,
+    depth_actions,
+    enhancement_actions,
+    export_actions,
+    job_actions,
+)
 from app.gui.actions.export_lacks import ONE_IMAGE
 from app.gui.actions.export_names import default_name
 from app.gui.commands.commands import sections
@@ -57,7 +64,7 @@ def test_a_folder_of_several_sizes_is_a_case(places: Places, case: Path) -> None
     assert clip.labels == tuple(SIZES)
     assert state.window.banner is not None
     assert state.window.banner.message == "left out, not readable: 3.png"
-    actions.set_params(state, EnhanceParams(z=0.3))
+    enhancement_actions.set_params(state, EnhanceParams(z=0.3))
     for name, size in SIZES.items():
         turn(state, channels)
         shown = state.picture.pictures
@@ -161,7 +168,7 @@ def test_a_single_image_gives_way_to_the_next_in_its_folder(places: Places, case
     turn(state, channels)
     assert in_folder(state) == "3 of 5 in this folder"
     recent = state.settings.recent
-    actions.set_params(state, EnhanceParams(z=0.3))
+    enhancement_actions.set_params(state, EnhanceParams(z=0.3))
     actions.step(state, 1)  # Past 3.png.
     turn(state, channels)
     assert state.source.path == case / "10.jpg"

@@ -14,7 +14,7 @@ from imgui_bundle import immapp
 
 from app.files.provenance import read_provenance
 from app.gui import window
-from app.gui.actions import actions, export_actions, job_actions, session_actions
+from app.gui.actions import actions, enhancement_actions, export_actions, job_actions, session_actions
 from app.gui.session_file import autosave_path, mended_session
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
@@ -55,7 +55,7 @@ class App:
     @property
     def works(self) -> bool:
         """Another picture comes when a slider moves."""
-        actions.set_params(self.state, EnhanceParams(d_factor=0.11))
+        enhancement_actions.set_params(self.state, EnhanceParams(d_factor=0.11))
         self.turn()
         return (
             self.state.picture.pictures is not None

@@ -12,7 +12,7 @@ from app.enhancement.amounts import AMOUNTS
 from app.enhancement.frame_enhancer import PictureMaker
 from app.enhancement.measures import METRICS, Measures
 from app.enhancement.setting_words import in_the_paper, said
-from app.gui.actions import actions, arriving, history_actions, tuning_actions
+from app.gui.actions import arriving, enhancement_actions, history_actions, tuning_actions
 from app.gui.commands.keys import chord
 from app.gui.panels.tuning import draw_tuning, in_words
 from app.gui.session_file import Choice
@@ -86,10 +86,10 @@ def test_a_setting_is_taken_with_the_statistics_that_it_was_tried_with(
     finish(state, channels)
     assert state.tuning.grid is not None
     setting = state.tuning.grid.settings[0]
-    actions.set_params(state, setting.params)
+    enhancement_actions.set_params(state, setting.params)
     assert state.is_set(setting)
     state.enhancement.scope, state.enhancement.pixels = "clip", "all"
-    actions.settle_params(state)
+    enhancement_actions.settle_params(state)
     assert not state.is_set(setting)  # It looks otherwise.
     tuning_actions.use_setting(state, setting)
     assert (state.enhancement.scope, state.enhancement.pixels) == ("image", "tissue")
@@ -104,7 +104,7 @@ def test_a_cell_at_a_time_so_that_sliders_are_served_in_between(state: AppState,
         turn(state, channels)
     tried = len(state.tuning.cells)
     assert 0 < tried < 12
-    actions.set_params(state, EnhanceParams(d_factor=0.7))
+    enhancement_actions.set_params(state, EnhanceParams(d_factor=0.7))
     turn(state, channels)
     turn(state, channels)
     assert state.picture.pictures is not None

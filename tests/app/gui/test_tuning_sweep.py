@@ -9,7 +9,7 @@ import pytest
 
 from app.enhancement.methods import EnhancementSettings
 from app.files.provenance import write_png
-from app.gui.actions import actions, tuning_actions
+from app.gui.actions import enhancement_actions, tuning_actions
 from app.gui.session_file import Choice
 from app.gui.state.app_state import AppState
 from app.gui.work.writing import WriteRequest, write_file
@@ -36,7 +36,7 @@ def test_the_saved_sweep_runs_with_the_values_of_the_grid(
     assert state.source.clip is not None
     write_png(state.source.clip.path / "0.png", state.source.clip.read_image(0), {})
     state.settings = replace(state.settings, folders={"export": str(state.places.pictures / 'of "A" $B')})
-    actions.set_params(state, look)
+    enhancement_actions.set_params(state, look)
     state.enhancement.scope = "clip"
     state.source.options = ClipOptions(stereo="off", deinterlacing="field")
     state.tuning.choices = CHOICES[type(look)]
@@ -61,7 +61,7 @@ def test_the_saved_sweep_runs_with_the_values_of_the_grid(
 
 def test_what_a_sweep_has_no_room_for_is_told(state: AppState) -> None:
     state.tuning.choices = CHOICES[EnhanceParams]
-    actions.set_params(state, EnhanceParams())
+    enhancement_actions.set_params(state, EnhanceParams())
     state.source.part = replace(state.source.part, trim=(1, 2))
     state.source.options = ClipOptions(
         calibration=Calibration(lens=LensCalibration(fx=50, fy=50, cx=32, cy=24))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from app.enhancement.frame_enhancer import PictureRequest, Pictures
-from app.gui.actions import actions, arriving, camera_actions, closing, job_actions
+from app.gui.actions import actions, arriving, camera_actions, closing, enhancement_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.jobs import start_due
@@ -44,7 +44,7 @@ def test_the_pair_on_screen_is_of_one_request(state: AppState, channels: Channel
 def test_a_slider_changes_the_enhanced_picture_alone(state: AppState, channels: Channels) -> None:
     settle(state, channels)
     before = state.picture.pictures
-    actions.set_params(state, EnhanceParams(z=0.0))
+    enhancement_actions.set_params(state, EnhanceParams(z=0.0))
     assert state.pictures_are_stale
     settle(state, channels)
     after = state.picture.pictures
@@ -61,7 +61,7 @@ def test_a_quick_picture_is_shown_by_the_frame_after_the_slider_moved(
     settle(state, channels)
     monkeypatch.setattr("app.gui.update.update.PROMPT", 10.0)
     worker = Worker(served(channels), lambda: None)
-    actions.set_params(state, EnhanceParams(z=0.0))
+    enhancement_actions.set_params(state, EnhanceParams(z=0.0))
     update(state, channels, 0.1)
     worker.close()
     assert not state.pictures_are_stale
@@ -73,7 +73,7 @@ def test_a_slow_picture_holds_no_frame(state: AppState, channels: Channels) -> N
     settle(state, channels)
     assert state.picture.pictures is not None
     state.picture.pictures = replace(state.picture.pictures, milliseconds=500.0)
-    actions.set_params(state, EnhanceParams(z=0.0))
+    enhancement_actions.set_params(state, EnhanceParams(z=0.0))
     channels.pictures.wait = lambda seconds: pytest.fail("the frame waits")  # type: ignore[method-assign]
     update(state, channels, 0.1)
     assert state.pictures_are_stale
@@ -86,7 +86,7 @@ def test_a_picture_that_is_late_is_waited_for_once(state: AppState, channels: Ch
     state.picture.pictures = replace(state.picture.pictures, milliseconds=1.0)
     waits: list[float] = []
     channels.pictures.wait = waits.append  # type: ignore[method-assign]
-    actions.set_params(state, EnhanceParams(z=0.0))
+    enhancement_actions.set_params(state, EnhanceParams(z=0.0))
     for frame in range(3):
         update(state, channels, 0.1 * frame)
         take_pictures(state, channels)
@@ -158,7 +158,7 @@ def test_a_moving_slider_never_flashes_the_original(state: AppState, channels: C
     settle(state, channels)
     first, steps = state.picture.pictures, TwoSteps()
     channels.pictures = Channel(steps.work)
-    actions.set_params(state, EnhanceParams(z=0.1))
+    enhancement_actions.set_params(state, EnhanceParams(z=0.1))
     assert state.picture_request is not None
     steps.answers = [Pictures(state.picture_request, image_of(0))]
     settle(state, channels, now=10.0)

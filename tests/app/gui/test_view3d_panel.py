@@ -11,7 +11,14 @@ from imgui_bundle import ImVec2, imgui
 
 from app.enhancement.setting_words import worded
 from app.exports.records import PanesPicture
-from app.gui.actions import actions, camera_actions, comparing, export_actions, path_actions
+from app.gui.actions import (
+    actions,
+    camera_actions,
+    comparing,
+    enhancement_actions,
+    export_actions,
+    path_actions,
+)
 from app.gui.drawing.viewport import OnScreen
 from app.gui.panels import view3d as view3d_panel
 from app.gui.panels.scene_marks import Sight
@@ -174,22 +181,22 @@ def test_white_light_never_shows_an_enhanced_model_unnoticed(
         return texts(view_tags(opened, opened.view_request))
 
     ui.frame(lambda: view3d(opened))
-    actions.white_light(opened)
+    enhancement_actions.white_light(opened)
     assert "ENHANCED" not in said()  # Trained on the frames as recorded.
     opened.scene.model = replace(
         opened.scene.model, record=replace(opened.scene.model.record, input="enhanced")
     )
     assert "OF ENHANCED FRAMES · not white light" in said()
-    actions.toggle_enhancement(opened)
+    enhancement_actions.toggle_enhancement(opened)
     assert "white light" not in said()
-    actions.peek(opened, True)
+    enhancement_actions.peek(opened, True)
     assert "not white light" in said()
     camera_actions.toggle_snap(opened)
     assert opened.frame_request is not None
     (opened.scene.viewer.frame_image,) = read_frame(opened.frame_request)
     assert "FRAME 100 %" in said()
     assert "white light" not in said()
-    actions.peek(opened, False)
+    enhancement_actions.peek(opened, False)
     assert "FRAME 50 %" in said()
 
 

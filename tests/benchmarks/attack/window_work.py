@@ -18,6 +18,7 @@ import app.gui.window
 from app.gui.actions import (
     actions,
     batch_actions,
+    enhancement_actions,
     export_actions,
     job_actions,
     notes_actions,
@@ -46,7 +47,7 @@ Act = Callable[[AppState, int], None]
 
 def save(state: AppState, frame: int) -> None:
     """Settings, presets and the session, on disk as fast as they go."""
-    actions.set_params(state, EnhanceParams(d_factor=0.1 + frame % 30 / 10))
+    enhancement_actions.set_params(state, EnhanceParams(d_factor=0.1 + frame % 30 / 10))
     actions.remember_recent(state, not state.settings.remember_recent)
     preset_actions.keep(state, f"mine {frame % 5}")
     notes_actions.write_notes(state, f"{frame}\n" * (frame % 300))

@@ -14,7 +14,7 @@ from typing import Any, Final
 import psutil
 from imgui_bundle import hello_imgui, immapp
 
-from app.gui.actions import actions, live_actions, presenting
+from app.gui.actions import enhancement_actions, live_actions, presenting
 from app.gui.drawing.textures import PLAIN, Marks, ShowsPictures
 from app.gui.panels import picture_pane
 from app.gui.state.app_state import AppState
@@ -143,7 +143,7 @@ class Panes:
 def run(trial: Trial, folder: Path) -> None:
     places = Places(folder / "config", folder / "runs", folder / "pictures")
     window = Window(AppState(places, Settings(acknowledged=True)))
-    actions.set_params(window.state, METHODS[trial.method])
+    enhancement_actions.set_params(window.state, METHODS[trial.method])
     begin(window.state, trial)
     params, panes = window.runner_params(), Panes()
     params.ini_disable = True
