@@ -7,7 +7,7 @@ from functools import cache
 
 from imgui_bundle import imgui
 
-from app.gui.actions import camera_actions, enhancement_actions, leaving
+from app.gui.actions import camera_actions, enhancement_actions, escape
 from app.gui.commands.command import Command, Section
 from app.gui.commands.modes import Keys, keys_of
 from app.gui.commands.walking import Walk
@@ -104,7 +104,7 @@ class Keyboard:
                 self.walk.ask(steps)
         flies = state.scene.viewer.flying
         if acts and not walks and _is_pressed(LEAVE, False):
-            leaving.leave_innermost(state, _nearness)
+            escape.leave_innermost(state, _nearness)
         modal = keys_of(state) if acts and not walks else {}
         typing = io.want_text_input and not asked
         pressed = _pressed(state, sections, modal, walks) if acts or typing else []

@@ -23,9 +23,9 @@ from app.files.provenance import read_provenance
 from app.files.stepping import run_to_end
 from app.gui.actions import (
     actions,
+    escape,
     export_actions,
     floating_windows,
-    leaving,
     session_actions,
     summary_actions,
 )
@@ -233,7 +233,7 @@ def test_the_panel_opens_by_its_key_is_drawn_and_left(ui: Ui, run: Exporter, tex
     for _ in range(3):
         ui.frame(lambda: draw_summary(state, Shown()))
     assert imgui.get_io().want_capture_mouse is not None
-    assert leaving.leave_innermost(state)
+    assert escape.leave_innermost(state)
     assert not state.summary.shown
 
 

@@ -21,7 +21,7 @@ from app.gui.actions import (
     presenting,
     window_actions,
 )
-from app.gui.actions.leaving import FLOATING
+from app.gui.actions.escape import FLOATING
 from app.gui.panels import about, batches, export, live, overlays, summary
 from app.gui.panels.export import draw_export
 from app.gui.panels.overlays import draw_help
