@@ -9,8 +9,8 @@ from typing import Final
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.gui.actions import about_actions, floating_windows
-from app.gui.panels.overlays import LONG_NOTICE, floating_below
+from app.gui.actions import about_actions
+from app.gui.panels.overlays import LONG_NOTICE, floating_window
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import beside, button, cell, em, in_table, muted, note
@@ -33,10 +33,8 @@ def draw_about(state: AppState, copy: Callable[[str], None]) -> None:
     about = state.about.facts
     if not state.about.shown or about is None:
         return
-    flags = floating_below(state, TITLE, WIDTH) | imgui.WindowFlags_.no_saved_settings
-    with imgui_ctx.begin(TITLE, True, flags) as window:
-        floating_windows.show(state.about, bool(window.opened))
-        if not window.expanded:
+    with floating_window(state, state.about, TITLE, WIDTH, imgui.WindowFlags_.no_saved_settings) as drawn:
+        if not drawn:
             return
         with imgui_ctx.push_font(None, 1.5 * theme.FONT_SIZE):
             imgui.text_unformatted(f"VesselSplat {about.version}")

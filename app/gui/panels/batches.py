@@ -8,8 +8,8 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.files.legible import in_one_line, legible
-from app.gui.actions import actions, batch_actions, floating_windows
-from app.gui.panels.overlays import floating_below
+from app.gui.actions import actions, batch_actions
+from app.gui.panels.overlays import floating_window
 from app.gui.state.app_state import AppState
 from app.gui.state.choosing import Kind
 from app.gui.style import theme
@@ -41,9 +41,8 @@ def draw_batches(state: AppState) -> None:
     batches = state.batches
     if not batches.shown:
         return
-    with imgui_ctx.begin(TITLE, True, floating_below(state, TITLE, 42)) as window:
-        floating_windows.show(state.batches, bool(window.opened))
-        if not window.expanded:
+    with floating_window(state, batches, TITLE, 42) as drawn:
+        if not drawn:
             return
         note(TEXT)
         imgui.spacing()

@@ -12,12 +12,12 @@ from app.exports.sizing import LEAST_WIDTH, MOST_WIDTH, Sizing
 from app.files.codecs import HEVC, WEBM
 from app.files.dicom.choices import DicomChoices
 from app.files.legible import legible, located
-from app.gui.actions import actions, export_actions, floating_windows
+from app.gui.actions import actions, export_actions
 from app.gui.actions.export_doubts import doubts
 from app.gui.actions.export_lacks import lacks
 from app.gui.actions.export_offers import GROUPS, OFFERS, Offer
 from app.gui.actions.export_records import format_of
-from app.gui.panels.overlays import covered, floating_below
+from app.gui.panels.overlays import covered, floating_window
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 from app.gui.style import theme
@@ -98,15 +98,13 @@ def draw_export(state: AppState) -> None:
     """A window of its own."""
     if not state.exports.shown:
         return
-    beside = floating_below(state, TITLE, 46)
     # Not in a picture of the window that is about to be taken.
     alpha = 0.0 if state.exports.settling else imgui.get_style().alpha
     with (
         imgui_ctx.push_style_var(imgui.StyleVar_.alpha, alpha),
-        imgui_ctx.begin(TITLE, True, beside) as window,
+        floating_window(state, state.exports, TITLE, 46) as drawn,
     ):
-        floating_windows.show(state.exports, bool(window.opened))
-        if not window.expanded:
+        if not drawn:
             return
         height = _list_height(state)
         with imgui_ctx.begin_child("what", ImVec2(em(LIST), height), FLAT):

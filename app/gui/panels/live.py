@@ -11,9 +11,9 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.files.legible import as_label
-from app.gui.actions import actions, export_actions, floating_windows, live_actions
+from app.gui.actions import actions, export_actions, live_actions
 from app.gui.drawing.textures import ShowsPictures
-from app.gui.panels.overlays import floating_below
+from app.gui.panels.overlays import floating_window
 from app.gui.state.app_state import AppState
 from app.gui.state.live import EYES, RATES, SIZES
 from app.gui.state.live_words import counts, delay_text, not_live, pace
@@ -135,10 +135,8 @@ def draw_live_choice(state: AppState, textures: ShowsPictures) -> None:
     choice = state.live.choice
     if not choice.shown:
         return
-    flags = floating_below(state, TITLE, WIDTH) | imgui.WindowFlags_.no_saved_settings
-    with imgui_ctx.begin(TITLE, True, flags) as window:
-        floating_windows.show(state.live.choice, bool(window.opened))
-        if not window.expanded:
+    with floating_window(state, choice, TITLE, WIDTH, imgui.WindowFlags_.no_saved_settings) as drawn:
+        if not drawn:
             return
         _draw_devices(state, textures)
         imgui.separator_text("Stream or device by address")

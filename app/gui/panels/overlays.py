@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from itertools import groupby
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.files.legible import capital
 from app.files.provenance import NOTICE
-from app.gui.actions import actions, notes_actions, recovering
+from app.gui.actions import actions, floating_windows, notes_actions, recovering
+from app.gui.actions.floating_windows import Floating
 from app.gui.commands.command import Section
 from app.gui.commands.keys import FLIGHT_TEXT, LEAVE_TEXT, MOUSE, PANELS_TEXT, PEEK_TEXT, WALK_TEXT
 from app.gui.commands.modes import MASKING_TEXT, PRESENTATION_TEXT, TILE_TEXT
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.asking import close_question, question, take_enter
-from app.gui.style.widgets import button, cell, em, explain, floating, in_line, in_table, muted, note, within
+from app.gui.style.floating import floating
+from app.gui.style.widgets import button, cell, em, explain, in_line, in_table, muted, note, within
 from app.gui.style.writing import text_area
 from app.gui.views.key_words import with_keys
 
@@ -113,9 +116,16 @@ def covered(state: AppState, top: float) -> float:
     return max(banner.pos.y + banner.size.y - top, 0.0)
 
 
-def floating_below(state: AppState, title: str, width: float) -> int:
-    """Flags of the next window, `width` text heights across: below the error, which is in front."""
-    return floating(title, width, covered(state, imgui.get_main_viewport().work_pos.y))
+@contextmanager
+def floating_window(
+    state: AppState, part: Floating, title: str, width: float, flags: int = 0
+) -> Iterator[bool]:
+    """A window `width` text heights across, below the error, which is in front; whether its content is to be
+    drawn, as it is not while folded up. When a user closes it, `part` is no longer shown."""
+    flags |= floating(title, width, covered(state, imgui.get_main_viewport().work_pos.y))
+    with imgui_ctx.begin(title, True, flags) as window:
+        floating_windows.show(part, bool(window.opened))
+        yield bool(window.expanded)
 
 
 def make_room(state: AppState) -> None:

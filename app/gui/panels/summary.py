@@ -9,9 +9,9 @@ from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.exports.exporting import UNTITLED
 from app.files.legible import in_one_line, legible, located
-from app.gui.actions import actions, export_actions, floating_windows, summary_actions
+from app.gui.actions import actions, export_actions, summary_actions
 from app.gui.drawing.textures import ShowsPictures
-from app.gui.panels.overlays import floating_below
+from app.gui.panels.overlays import floating_window
 from app.gui.panels.small_picture import draw_small
 from app.gui.state.app_state import AppState
 from app.gui.state.summary import Item
@@ -43,9 +43,8 @@ def draw_summary(state: AppState, textures: ShowsPictures) -> None:
     """A window of its own."""
     if not state.summary.shown:
         return
-    with imgui_ctx.begin(TITLE, True, floating_below(state, TITLE, 40)) as window:
-        floating_windows.show(state.summary, bool(window.opened))
-        if not window.expanded:
+    with floating_window(state, state.summary, TITLE, 40) as drawn:
+        if not drawn:
             return
         note(TEXT)
         imgui.spacing()
