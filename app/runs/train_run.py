@@ -108,26 +108,13 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
 
 
 def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[TrainEvent, None, None]:
-    """`place`: for copies of tool masks."""
+    """See `run_training`; `place` is for copies of tool masks."""
     require_utf8(request.clip_path)
     run = RunFolder(request.run_path)
     _check_vacancy(request, run)
     require_depth_source(request.clip_path, request.clip_options)
     record = run.record() if run.is_run else None
-    part = request.part if record is None else record.clip.part.as_asked
-    options = request.clip_options if record is None else record.clip.options
-    bare, whole = yield from told_meanwhile(
-        "opening the clip", lambda _: _opened(request.clip_path, options, part)
-    )
-    if record is not None:
-        _check_same(request, record, whole)
-    masks = request.part.tool_masks
-    copies = None if masks is None else masks.copied(whole, place)
-    whole = whole if masks is None else masks.told(whole)
-    if record is None:
-        part = replace(part, tool_masks=copies)
-    elif copies is not None:
-        keep(copies, run.path)
+    bare, whole, part, copies = yield from _open_part(request, run, record, place)
     clip, start = part.of(whole), part.first or 0
     if record is None and clip.depth_origin != "motion":
         require_depth(clip)
@@ -152,16 +139,42 @@ def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[Trai
         record = yield from _with_exposure(record, _by_images(ahead, through, part.of(bare)))
         begin = partial(_begin, run, record, copies)
     ahead.hand_over()
-    found = record.exposure
-    through = replace(
-        through,
-        notices=(*clip.notices, *through.notices, *exposure_notices(found)),
-        omitted=(*through.omitted, *exposure_left_out(found, record.config)),
-    )
+    through = replace(through, notices=(*clip.notices, *through.notices))
     try:
-        yield from _train(record, run, through, clock, begin)
+        yield from _train(record, run, _in_exposure(through, record), clock, begin)
     except TrainingError as error:
         raise UserError(f"{error}; run: {run.path}") from error
+
+
+def _open_part(
+    request: TrainRequest, run: RunFolder, record: RunRecord | None, place: Path
+) -> Generator[TrainEvent, None, tuple[Clip, Clip, ClipPart, ToolMasks | None]]:
+    """The whole clip, bare and with depth, the part to train on, and the copies of its tool masks, made in
+    `place`; a run that has a record is checked against the clip, and keeps the copies."""
+    part = request.part if record is None else record.clip.part.as_asked
+    options = request.clip_options if record is None else record.clip.options
+    bare, whole = yield from told_meanwhile(
+        "opening the clip", lambda _: _opened(request.clip_path, options, part)
+    )
+    if record is not None:
+        _check_same(request, record, whole)
+    masks = request.part.tool_masks
+    copies = None if masks is None else masks.copied(whole, place)
+    whole = whole if masks is None else masks.told(whole)
+    if record is None:
+        part = replace(part, tool_masks=copies)
+    elif copies is not None:
+        keep(copies, run.path)
+    return bare, whole, part, copies
+
+
+def _in_exposure(through: Posed, record: RunRecord) -> Posed:
+    """The clip with the notices and omissions of the exposure in the run's record."""
+    return replace(
+        through,
+        notices=(*through.notices, *exposure_notices(record.exposure)),
+        omitted=(*through.omitted, *exposure_left_out(record.exposure, record.config)),
+    )
 
 
 def _through_cameras(
