@@ -20,9 +20,9 @@ from app.errors import UserError
 from app.files.provenance import provenance, strict_json
 from app.live.address import Kind, LiveInput
 from app.live.igtl.endpoint import PORT, Endpoint
-from app.live.igtl.sender import Sender
+from app.live.igtl.sender import Sender, Sending
 from app.live.picture import LiveSetting, LiveStatus
-from app.live.recorder import WHATS, Recorder, require_new
+from app.live.recorder import WHATS, Recorder, Recording, require_new
 from app.live.session import LiveSession, load
 from app.live.sources.device import ask_permission, devices, devices_for, require_device
 from app.live.sources.opening import open_input
@@ -48,7 +48,10 @@ NOT_GIVEN: Final[Mapping[str, object]] = {
     "what": None,
     "igtl": None,
     "once": False,
-} | {"size": None, "fps": None, "pixel_format": None}
+    "size": None,
+    "fps": None,
+    "pixel_format": None,
+}
 """Flags of a source, where they are not given."""
 
 
@@ -133,11 +136,7 @@ def run(flags: argparse.Namespace) -> None:
             raise KeyboardInterrupt
         raise UserError(f"no frame came from {asked.name}: {last.reason or 'none in that time'}")
     facts = _facts(last, time.perf_counter() - began) | {"source": asked.name, "setting": setting}
-    if recording is not None:
-        facts["recording"] = recording
-    if sending is not None:
-        facts["sending"] = sending
-    _say(facts, last, flags.json)
+    _say(facts, last, recording, sending, flags.json)
     if recording is not None and recording.trouble:
         raise UserError(f"the recording ended early ({recording.trouble}): {recording.path}")
     if sending is not None and sending.trouble:
@@ -242,8 +241,16 @@ def _facts(now: LiveStatus, seconds: float) -> dict[str, Any]:
     }
 
 
-def _say(facts: dict[str, Any], last: LiveStatus, as_json: bool) -> None:
+def _say(
+    facts: dict[str, Any],
+    last: LiveStatus,
+    recording: Recording | None,
+    sending: Sending | None,
+    as_json: bool,
+) -> None:
     if as_json:
+        of_outputs = {"recording": recording, "sending": sending}
+        facts = facts | {name: told for name, told in of_outputs.items() if told is not None}
         sys.stdout.write(strict_json(provenance(**facts)) + "\n")
         return
     text = f"{facts['source']} ({last.told}): {last.made} frames in {facts['seconds']:.1f} s"
@@ -252,12 +259,12 @@ def _say(facts: dict[str, Any], last: LiveStatus, as_json: bool) -> None:
         text += (
             f"from eye to eye {last.apart}; pairs left out, more than half a frame apart: {last.unpaired}\n"
         )
-    if (one := facts.get("recording")) is not None:
-        files = f" in {one.files} files, the last of them this" if one.files > 1 else ""
-        text += f"{one.path}: {one.pictures} images, {one.seconds:.1f} s recorded{files}, "
-        text += f"{one.left_out} left out\n"
-    if (one := facts.get("sending")) is not None:
-        text += f"{one.address}: {one.sent} images sent by OpenIGTLink, {one.left_out} left out\n"
+    if recording is not None:
+        files = f" in {recording.files} files, the last of them this" if recording.files > 1 else ""
+        text += f"{recording.path}: {recording.pictures} images, {recording.seconds:.1f} s recorded{files}, "
+        text += f"{recording.left_out} left out\n"
+    if sending is not None:
+        text += f"{sending.address}: {sending.sent} images sent by OpenIGTLink, {sending.left_out} left out\n"
     sys.stdout.write(text)
 
 
