@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from app.gui.work.omissions import Omissions, OmissionsRequest, look
+from app.gui.work.omissions import Omissions, OmissionsRequest, find_omissions
 
 
 def found_omissions(request: OmissionsRequest) -> Omissions:
-    *_, last = look(request)
+    *_, last = find_omissions(request)
     assert isinstance(last, Omissions)
     return last

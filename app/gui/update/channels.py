@@ -66,7 +66,7 @@ from app.gui.work.masking import (
 from app.gui.work.measuring import Measurer
 from app.gui.work.naming import encoder_of, name_of
 from app.gui.work.neighbours import find_neighbours
-from app.gui.work.omissions import look
+from app.gui.work.omissions import find_omissions
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.presets import KeepPresets, keep_presets
 from app.gui.work.queued_clips import QueuedClipRequest, open_queued
@@ -82,7 +82,7 @@ from app.gui.work.swept import read_swept_image
 from app.gui.work.thumbnails import make_thumbnails
 from app.gui.work.tidying import clear_places, clear_results
 from app.gui.work.tuning import CellMaker
-from app.gui.work.writing import SessionRequest, WriteRequest, keep, write, write_file
+from app.gui.work.writing import SessionRequest, WriteRequest, save_queue, save_session, write_file
 from app.scenes.drawer import draw_view
 from app.scenes.scene import Scene
 from app.scenes.view_request import read_frame
@@ -156,7 +156,7 @@ class Channels:
         others = OtherMaker()  # What one side remembers serves the other.
         self.others = {side: row(Channel(others.make), partial(taking.take_other, side),
                                  partial(wishes.side_wish, side=side), forgets=False) for side in SIDES}
-        self.kept = row(Channel(keep), noted("the queue cannot be saved", taking.take_nothing),
+        self.kept = row(Channel(save_queue), noted("the queue cannot be saved", taking.take_nothing),
                         wishes.queue_wish, SECOND)
         self.layouts = row(Channel(seal_anew), taking.take_nothing, wishes.layout_wish, SECOND, forgets=False)
         self.bakes = row(Channel(bake), taking.take_baked, lambda s: wishes.bake_wish(s, s.scene))
@@ -179,7 +179,7 @@ class Channels:
         self.selecting = row(Channel(Selector().select), edit_actions.take_selected, lambda s: s.editing.wish)
         self.frames = row(Channel(read_frame), told("the frame cannot be read", taking.take_frame),
                           lambda s: s.frame_request)
-        self.omissions = row(Channel(look), taking.take_omissions, lambda s: s.omissions_request,
+        self.omissions = row(Channel(find_omissions), taking.take_omissions, lambda s: s.omissions_request,
                              THIRD)
         self.masks_there = row(Channel(look_for_masks),
                                noted("tool masks cannot be listed", masking_actions.take_there),
@@ -236,8 +236,8 @@ class Channels:
         self.saving = row(Channel(export, depth=2 * export_actions.MOST_SAVING), summary_actions.take_saved)
         self.summary_pictures = row(NewestChannel(thumbnail_of), summary_actions.take_thumbnail,
                                     summary_actions.thumbnail_wish, "apart")
-        self.sessions = row(Channel(write, depth=4), session_actions.take_written, server=SECOND)
-        self.autosaves = row(Channel(write), session_actions.take_written, server=SECOND)
+        self.sessions = row(Channel(save_session, depth=4), session_actions.take_written, server=SECOND)
+        self.autosaves = row(Channel(save_session), session_actions.take_written, server=SECOND)
         self.exports = row(SteppedChannel(export), export_actions.take_step, lambda s: s.exports.under_way)
         # So deep, a failure leaves the step before it, which tells what is whole.
         self.batches = row(SteppedChannel(batch, depth=2), batch_actions.take_progress,

@@ -27,7 +27,7 @@ from app.gui.work.run_measures import RunMeasuresRequest
 from app.gui.work.strip import StripRequest
 from app.gui.work.thumbnails import ThumbnailsRequest
 from app.gui.work.tuning import CellRequest
-from app.gui.work.writing import KeepRequest
+from app.gui.work.writing import QueueRequest
 from app.kernels.progress import Kind
 from app.scenes.drawer import View
 from app.scenes.scene import Scene
@@ -197,9 +197,9 @@ def models_wish(state: AppState) -> BesideRequest | None:
     return BesideRequest(state.settings.recent, state.runs.reconstruction.status)
 
 
-def queue_wish(state: AppState) -> KeepRequest:
+def queue_wish(state: AppState) -> QueueRequest:
     """The queue, as the next session is to find it."""
-    return KeepRequest(state.places.config, queue_actions.to_keep(state))
+    return QueueRequest(state.places.config, queue_actions.to_keep(state))
 
 
 def layout_wish(state: AppState) -> SealRequest | None:

@@ -64,7 +64,7 @@ class Omissions:
         )
 
 
-def look(request: OmissionsRequest) -> Iterator[Looking | Omissions]:
+def find_omissions(request: OmissionsRequest) -> Iterator[Looking | Omissions]:
     """Decides as training does, from the same frames; the answer comes last. Raises ClipError: frames cannot
     be read."""
     # Training's modules take a while to import; the window must not wait for them.

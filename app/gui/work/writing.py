@@ -33,15 +33,15 @@ def write_file(request: WriteRequest) -> Iterator[Path]:
 
 
 @dataclass(frozen=True)
-class KeepRequest:
-    """What this process's file in a folder is to hold."""
+class QueueRequest:
+    """The queue, for the file of this process in a folder."""
 
     folder: Path
     waiting: tuple[TrainRequest, ...]
 
 
-def keep(request: KeepRequest) -> Iterator[Path]:
-    """Answers a KeepRequest. Raises OSError or UserError."""
+def save_queue(request: QueueRequest) -> Iterator[Path]:
+    """Answers a QueueRequest. Raises OSError or UserError."""
     path = queue_file(request.folder)
     keep_queue(path, request.waiting)
     yield path
@@ -57,7 +57,7 @@ class SessionRequest:
     """Without the sources' digests, which take time, and without a word."""
 
 
-def write(request: SessionRequest) -> Iterator[Path]:
+def save_session(request: SessionRequest) -> Iterator[Path]:
     """Answers a SessionRequest. Raises OSError or UserError."""
     session, folder = request.session, request.path.parent
     if not request.in_passing:

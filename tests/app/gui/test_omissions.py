@@ -19,7 +19,7 @@ from app.gui.update import taking
 from app.gui.update.channels import Channels
 from app.gui.update.jobs import start_due
 from app.gui.update.update import update
-from app.gui.work.omissions import Looking, Omissions, OmissionsRequest, look
+from app.gui.work.omissions import Looking, Omissions, OmissionsRequest, find_omissions
 from app.runs.train_run import TrainRequest
 from renderer.sources import open_clip
 from renderer.train.config import Part, TrainConfig
@@ -165,7 +165,7 @@ def test_how_far_it_is_is_said_meanwhile(
     monkeypatch.setattr(imgui, "tree_pop", lambda: None)
     request = opened.omissions_request
     assert request is not None
-    steps = look(request)
+    steps = find_omissions(request)
     first = next(steps)
     assert isinstance(first, Looking)
     assert (first.frames, first.count) == (1, len(open_clip(clip_path).train_indices))

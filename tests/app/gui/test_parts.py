@@ -12,7 +12,7 @@ from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import why_not
 from app.gui.update.jobs import start_due
-from app.gui.work.omissions import look
+from app.gui.work.omissions import find_omissions
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.runs import RunFinder
 from app.runs.clip_selection import WHOLE, ClipPart
@@ -87,7 +87,7 @@ def test_what_is_left_out_is_looked_up_of_the_part(state: AppState) -> None:
     state.runs.asks_for_omissions = True
     request = state.omissions_request
     assert request is not None
-    *_, alone = look(request)
+    *_, alone = find_omissions(request)
     assert any("deformation" in omission.what for omission in alone.omitted)  # One frame does not move.
 
 

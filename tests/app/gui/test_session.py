@@ -157,7 +157,7 @@ def test_sources_move_with_the_session(worked: tuple[AppState, Channels], tmp_pa
     session_actions.save_to(state, folder / "a.vesselsplat")
     *_, request = state.window.wishes
     assert isinstance(request, SessionRequest)
-    list(writing.write(request))
+    list(writing.save_session(request))
     shutil.move(state.source.path, folder / "liver")
     (opened,) = open_path(OpenRequest(request.path))
     assert opened.path == folder / "liver"

@@ -26,7 +26,7 @@ from app.gui.update.update import update
 from app.gui.work.background import Apart, Channel, Failure, NewestChannel
 from app.gui.work.opening import Opened, OpenRequest, open_path
 from app.gui.work.settings import Places, Settings
-from app.gui.work.writing import SessionRequest, write
+from app.gui.work.writing import SessionRequest, save_session
 from app.runs.train_run import TrainRequest
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
@@ -111,7 +111,7 @@ def test_nor_has_it_a_digest(tmp_path: Path, make: Callable[[Path], None]) -> No
     assert "expected a file, got a" in ends(lambda: digest(tmp_path / "a"))
     session = Session(source=SessionSource("a"))
     request = SessionRequest(tmp_path / "s.vesselsplat", session, in_passing=False)
-    assert "expected a file, got a" in ends(lambda: list(write(request)))
+    assert "expected a file, got a" in ends(lambda: list(save_session(request)))
 
 
 @pytest.mark.parametrize(
