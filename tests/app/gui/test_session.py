@@ -29,7 +29,7 @@ from app.gui.actions import (
     session_actions,
 )
 from app.gui.actions.session_actions import snapshot
-from app.gui.panels.overlays import draw_notes, draw_recovery
+from app.gui.panels.overlays import OFFER, draw_recovery
 from app.gui.session_file import (
     Choice,
     KeptSettings,
@@ -363,12 +363,12 @@ def test_a_frame_beyond_the_clip_is_its_last(places: Places, clip_path: Path) ->
     assert state.timeline.frame_index == state.timeline.frozen_index == len(state.source.clip) - 1
 
 
-def test_the_panels_draw(ui: Ui, state: AppState, tmp_path: Path) -> None:
-    ui.frame(lambda: draw_notes(state))
-    ui.frame(lambda: draw_recovery(state))
-    state.session.recoverable = tmp_path / "autosave-1.vesselsplat"
-    ui.frame(lambda: draw_recovery(state))
-    ui.frame(lambda: draw_recovery(state))
+def test_an_earlier_session_is_offered_where_there_is_one(ui: Ui, state: AppState, tmp_path: Path) -> None:
+    for found in (None, tmp_path / "autosave-1.vesselsplat"):
+        state.session.recoverable = found
+        ui.frame(lambda: draw_recovery(state))
+        offer = imgui.internal.find_window_by_name(OFFER)
+        assert (offer is not None and offer.active) == (found is not None)
 
 
 @pytest.mark.display
