@@ -229,6 +229,35 @@ class _Back:
     """(P, 3, C)."""
 
 
+@dataclass(frozen=True, eq=False)
+class _Slopes:
+    """How N observations change with the unknowns, and what they are off by; all weighted."""
+
+    apart: FloatArray
+    """(N, 3): observed minus predicted."""
+    by_pose: FloatArray
+    """(N, 3, bundle.width) by the step of the observing view."""
+    by_lens: FloatArray
+    """(N, 3, 2) by the focal length and k1."""
+    by_point: FloatArray
+    """(N, 3, 3) by the observed point."""
+
+
+def _slopes(bundle: Bundle, left: FloatArray, group: IntArray) -> _Slopes:
+    """Of the observations (N,) of a group."""
+    views = bundle.views[group]
+    places = local(bundle.poses[views], bundle.points[bundle.seen_points[group]])
+    share = np.sqrt(trust((left[group] ** 2).sum(axis=1)))[:, None]
+    weights = bundle.seen.weights[group] * share * bundle.enlargement(views)
+    change, by_lens = (each * weights[:, :, None] for each in bent_slopes(bundle.lens, places, bundle.k1))
+    by_pose = change @ motion_slopes(places)
+    if bundle.longer is not None:
+        shown = bent(bundle.lens, projected(bundle.lens, places), bundle.k1)
+        by_zoom = weights * (shown - (bundle.lens.cx, bundle.lens.cy, 0.0)) * (1, 1, 0)
+        by_pose = np.concatenate([by_pose, by_zoom[:, :, None]], axis=2)
+    return _Slopes(left[group] * share, by_pose, by_lens, change @ bundle.poses[views][:, :3, :3])
+
+
 def _eliminate(
     bundle: Bundle,
     left: FloatArray,
@@ -240,18 +269,8 @@ def _eliminate(
     """Adds what one group says of views and lens to the equations (U, U) and (U,), its points eliminated."""
     points, of_point = np.unique(bundle.seen_points[group], return_inverse=True)
     views, of_view = np.unique(bundle.views[group], return_inverse=True)
-    places = local(bundle.poses[bundle.views[group]], bundle.points[bundle.seen_points[group]])
-    share = np.sqrt(trust((left[group] ** 2).sum(axis=1)))[:, None]
-    weights = bundle.seen.weights[group] * share * bundle.enlargement(bundle.views[group])
-    apart = left[group] * share
-    change, by_lens = (each * weights[:, :, None] for each in bent_slopes(bundle.lens, places, bundle.k1))
-    by_pose = change @ motion_slopes(places)
-    if bundle.longer is not None:
-        shown = bent(bundle.lens, projected(bundle.lens, places), bundle.k1)
-        by_zoom = weights * (shown - (bundle.lens.cx, bundle.lens.cy, 0.0)) * (1, 1, 0)
-        by_pose = np.concatenate([by_pose, by_zoom[:, :, None]], axis=2)
-    width = bundle.width
-    by_point = change @ bundle.poses[bundle.views[group]][:, :3, :3]
+    slopes, width = _slopes(bundle, left, group), bundle.width
+    apart, by_pose, by_lens, by_point = slopes.apart, slopes.by_pose, slopes.by_lens, slopes.by_point
 
     of_points = summed(by_point.swapaxes(1, 2) @ by_point, of_point, len(points))
     pull = summed(_along(by_point, apart), of_point, len(points))
