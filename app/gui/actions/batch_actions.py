@@ -38,7 +38,7 @@ OF_THE_WEB: Final = (
 
 
 def add_input(state: AppState, path: Path) -> None:
-    """A file or a folder, once."""
+    """Add a file or a folder to the batch, unless it is there already."""
     if path.absolute() not in state.batches.inputs:
         state.batches.inputs = (*state.batches.inputs, path.absolute())
 

@@ -20,7 +20,7 @@ READING = "Reading the folder…"
 
 
 def begin(state: AppState, choosing: Choosing) -> None:
-    """One dialog at a time."""
+    """Open a file dialog, unless one is open."""
     if state.window.browsing is None:
         state.window.browsing = Browsing(choosing, choosing.start, name=choosing.name)
         enter(state.window.browsing, choosing.start)

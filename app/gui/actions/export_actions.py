@@ -81,7 +81,7 @@ def export_request(state: AppState, what: What, stem: str = "") -> ExportRequest
 
 
 def begin(state: AppState, request: ExportRequest) -> None:
-    """It is under way."""
+    """Have the background work make this export from now on."""
     state.exports.under_way, state.exports.pace, state.exports.failure = request, Pace(), ""
 
 
@@ -229,7 +229,7 @@ def take_revealed(state: AppState, request: RevealRequest, answer: Path | Failur
 
 
 def cancelled(state: AppState) -> None:
-    """Nothing has been written."""
+    """The export has been given up; nothing has been written."""
     state.exports.under_way = None
     actions.announce(state, "export cancelled")
 

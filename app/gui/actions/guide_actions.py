@@ -33,7 +33,7 @@ def open_about(state: AppState, panel: str) -> None:
 
 
 def turn(state: AppState, pages: int) -> None:
-    """So many on or back."""
+    """Turn so many pages on, or back where negative."""
     turn_to(state, state.guide.page + pages)
 
 

@@ -151,7 +151,7 @@ def resume(state: AppState) -> None:
 
 
 def toggle_pause(state: AppState) -> None:
-    """Stand still, and go on."""
+    """Pause the reconstruction, or resume it."""
     pause(state) if state.runs.reconstruction.can_pause else resume(state)
 
 

@@ -69,7 +69,7 @@ def open_device(state: AppState, device: Device) -> None:
 
 
 def play_file(state: AppState, path: Path) -> None:
-    """As if it were live."""
+    """Open a file as a source that plays as if it were live."""
     _open(state, lambda: LiveAddress.of_file(path))
 
 

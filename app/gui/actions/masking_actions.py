@@ -283,7 +283,7 @@ def choose_folder(state: AppState) -> None:
 
 
 def choose_network(state: AppState) -> None:
-    """Let a network find the tools."""
+    """Choose the file of a network, which then finds the tools in all frames."""
     actions.choose_path(state, "file", make_all, "network")
 
 

@@ -40,7 +40,7 @@ def go_to(state: AppState, camera: Camera) -> None:
 
 
 def type_name(state: AppState, name: str) -> None:
-    """Of the next named view."""
+    """Change the name that the next saved view will have."""
     state.scene.cameras.name = name
 
 

@@ -106,7 +106,7 @@ def add_notes(state: AppState) -> None:
 
 
 def type_note(state: AppState, place: int, note: str) -> None:
-    """Below one picture."""
+    """Change the note below the picture at `place`."""
     items = list(state.summary.items)
     items[place] = replace(items[place], note=note[:LONGEST_NOTES])
     state.summary.items = tuple(items)

@@ -132,7 +132,7 @@ def look_at(state: AppState, setting: Setting | None) -> None:
 
 
 def is_looking(state: AppState) -> bool:
-    """One cell is on screen, alone."""
+    """One cell of the tuning grid fills the panel."""
     return state.tuning.in_sight and state.tuning.chosen is not None
 
 
@@ -149,7 +149,7 @@ def go(state: AppState, right: int = 0, down: int = 0) -> None:
 
 
 def resize_tiles(state: AppState, size: float) -> None:
-    """Larger ones are scrolled."""
+    """Show tiles at this multiple of their usual size, within its limits."""
     state.tuning.size = min(max(size, LEAST_SIZE), MOST_SIZE)
 
 

@@ -45,7 +45,7 @@ def open_guide(state: AppState) -> None:
 
 
 def panel_under_pointer() -> str:
-    """Its title; empty for none."""
+    """The title of the panel under the pointer; empty for none."""
     context = imgui.get_current_context()
     window: imgui.internal.Window | None = context.hovered_window
     return "" if window is None else str(window.root_window.name).split("###")[0]

@@ -27,7 +27,7 @@ class Walk:
         self._steps = steps
 
     def follow(self) -> None:
-        """After a frame has begun."""
+        """Called after each frame has begun: moves the focus by the steps asked for since the last one."""
         steps, self._steps = self._steps, None
         if steps is None or not (there := stops()):
             return

@@ -60,6 +60,6 @@ class Bare:
 
 
 def _is_in_front(panel: str) -> bool:
-    """Not behind another one's tab."""
+    """Whether a panel is on screen, not behind the tab of another one."""
     window: imgui.internal.Window | None = imgui.internal.find_window_by_name(panel)
     return window is not None and not window.hidden

@@ -262,7 +262,7 @@ def follow(state: AppState) -> None:
 
 
 def _show(window: hello_imgui.DockableWindow, wanted: bool) -> None:
-    """In front when it appears."""
+    """Show or hide a panel; it comes to the front when it appears."""
     window.focus_window_at_next_frame |= wanted and not window.is_visible
     window.is_visible = wanted
 

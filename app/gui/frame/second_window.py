@@ -155,7 +155,7 @@ class SecondWindow:
         glfw.make_context_current(self._first)
 
     def close(self) -> None:
-        """Nothing where it is not open."""
+        """Close the window, if it is open."""
         if self._window is None:
             return
         glfw.make_context_current(self._window)

@@ -161,7 +161,7 @@ def _head(browsing: Browsing) -> None:
 
 
 def _place(browsing: Browsing) -> int | None:
-    """Of the marked entry."""
+    """Where the marked entry is in the list; None: none is marked."""
     found = (place for place, entry in enumerate(browsing.entries) if entry.path == browsing.marked)
     return next(found, None)
 

@@ -176,7 +176,7 @@ def _said(shown: FrameMask) -> str:
 
 
 def _part(share: float) -> str:
-    """A little is not nothing."""
+    """A share in words; one that is not 0 is never shown as 0 %."""
     return "less than 1 %" if 0 < share < 0.01 else percent(share)
 
 

@@ -156,7 +156,7 @@ def _row(width: float, least: float, most: int) -> tuple[int, float]:
 
 
 def _draw_recents(state: AppState, textures: ShowsPictures, margin: float, width: float) -> None:
-    """One row, the newest first."""
+    """One row of recent files, the newest first."""
     count, across = _row(width, TILE, MOST_TILES)
     imgui.set_cursor_pos_x(margin)
     for place, name in enumerate(told_apart(state.settings.recent)[:count]):

@@ -40,7 +40,7 @@ class Pane:
     image: ByteImage
     tags: tuple[Tag, ...]
     stale: bool = False
-    """Not yet what was asked for."""
+    """It shows an earlier request: the newest is still being worked on."""
     zebra: bool = False
     """Stripes are painted on clipped pixels."""
     tint: BoolImage | None = None

@@ -99,7 +99,7 @@ def _begin(state: AppState, make_session: MakeSession) -> None:
 
 
 def _gave_way(state: AppState) -> bool:
-    """Something else was opened."""
+    """Whether something else has been opened in place of the live source."""
     live = state.live
     return (
         live.clip is not None and state.source.clip is not live.clip and state.source.clip is not live.still

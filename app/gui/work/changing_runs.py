@@ -17,7 +17,7 @@ class ChangeRequest:
     name: str | None
     """The new one; None: it is deleted."""
     for_good: bool = False
-    """Past the system's bin."""
+    """Delete at once, not into the system's bin."""
 
 
 def change_run(request: ChangeRequest) -> Iterator[Path | None]:

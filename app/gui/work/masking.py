@@ -140,7 +140,7 @@ class FrameMask:
 
     @cached_property
     def left_out(self) -> BoolImage:
-        """Both."""
+        """What either of the two masks marks."""
         return self.mask | self.own
 
 

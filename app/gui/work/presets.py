@@ -89,7 +89,7 @@ def presets_with(own: Mapping[str, EnhancementSettings]) -> dict[str, Enhancemen
 
 
 def is_preset_name(name: str) -> bool:
-    """Of an own preset."""
+    """Whether a user's preset may have this name."""
     return 0 < len(name) <= LONGEST_NAME and name not in RESERVED
 
 
