@@ -357,7 +357,7 @@ def _noise_gains(image: NDArray[np.uint8]) -> Iterator[Row]:
 
 
 def _refused(image: AnyImage, line: str) -> bool:
-    """For that reason."""
+    """Whether the image is refused with a message that matches `line`."""
     try:
         enhance(image)
     except ImageError as refusal:

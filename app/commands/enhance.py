@@ -120,13 +120,13 @@ def run(flags: argparse.Namespace) -> None:
 
 
 def _warned(series: Series) -> Series:
-    """It is enhanced all the same where it is enhanced already; of many files the first tells."""
+    """The images with a notice where the first was enhanced already; they are enhanced all the same."""
     said = enhanced_already(series.sources[0])
     return replace(series, notices=(said, *series.notices)) if said else series
 
 
 def _warned_item(item: Item) -> Item:
-    """As `_warned`."""
+    """The item of a batch with the notice that `_warned` gives, where its source is enhanced already."""
     said = next(map(enhanced_already, files_of(item.source)), "")
     return replace(item, notices=(said, *item.notices)) if said else item
 

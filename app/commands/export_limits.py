@@ -79,7 +79,7 @@ def require_movement(flags: argparse.Namespace, scene: Scene) -> None:
 
 
 def flag(name: str) -> str:
-    """As it is typed."""
+    """The flag of that name as it is typed."""
     return "--with" if name == "renderer" else f"--{name.replace('_', '-')}"
 
 

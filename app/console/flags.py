@@ -103,7 +103,7 @@ def shortened(given: object) -> str:
 
 
 def positive(text: str) -> float:
-    """Of a flag whose number is above 0, and one. Raises ArgumentTypeError."""
+    """The finite number above 0 that a flag is given. Raises ArgumentTypeError."""
     try:
         number = float(text)
     except ValueError:

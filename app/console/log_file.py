@@ -79,7 +79,7 @@ def _handler(folder: Path) -> logging.Handler | None:
 
 
 def _note(trouble: threading.ExceptHookArgs, then: Callable[[threading.ExceptHookArgs], object]) -> None:
-    """Then as before."""
+    """Log an error that ended a thread, then do with it what was done before."""
     if trouble.exc_value is not None:
         told = (trouble.exc_type, trouble.exc_value, trouble.exc_traceback)
         LOG.error("uncaught in a thread", exc_info=told)

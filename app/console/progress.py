@@ -33,7 +33,7 @@ class Terminal(Console):
         super().__init__(stderr=stderr, width=width, markup=False, emoji=False, highlight=False)
 
     def on_broken_pipe(self) -> None:
-        """Called while the BrokenPipeError is handled."""
+        """Let the BrokenPipeError go on, which rich would end the program for."""
         raise
 
 

@@ -42,7 +42,7 @@ def require_own(*outputs: Path) -> None:
 
 
 def identities(paths: Iterable[Path]) -> set[Identity]:
-    """Of those that are there."""
+    """What the files at these paths are known by, whatever path leads to them; none for paths without one."""
     found = set[Identity]()
     for path in paths:
         with suppress(OSError):

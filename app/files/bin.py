@@ -45,6 +45,6 @@ def _bins(path: Path) -> list[Path]:
 
 
 def _can_be_made(folder: Path) -> bool:
-    """It is there, or can be."""
+    """Whether a folder is there and writable, or could be made."""
     found = next(one for one in (folder, *folder.parents) if one.exists())
     return found.is_dir() and os.access(found, os.W_OK | os.X_OK)

@@ -9,5 +9,5 @@ _DEVICE: Final = re.compile(r"(con|prn|aux|nul|(com|lpt)[0-9¹²³]) *(\..*)?", 
 
 
 def is_device(name: str) -> bool:
-    """Of the last part of a path."""
+    """Whether the last part of a path names a device instead of a file, as on Windows."""
     return _DEVICE.fullmatch(name) is not None

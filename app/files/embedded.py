@@ -33,7 +33,7 @@ def carrying(suffix: str, content: bytes, text: str, profile: bytes) -> bytes:
 
 
 def carried(content: bytes) -> bytes | None:
-    """The text of ours in an image file; None where there is none."""
+    """The provenance that VesselSplat wrote into an image file; None where there is none."""
     try:
         if content.startswith(PNG_SIGNATURE):
             return next(_png_texts(content), None)

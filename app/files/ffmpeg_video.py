@@ -68,7 +68,7 @@ class FfmpegWriter:
             raise self._failed()
 
     def _failed(self) -> OSError:
-        """In its last line, once it has ended."""
+        """Why ffmpeg has failed, as its last line says it, once it has ended."""
         with suppress(OSError):
             self._frames.close()
         with suppress(subprocess.TimeoutExpired):

@@ -133,7 +133,7 @@ def _read_dicom(path: Path) -> ArrayImage:
 
 
 def _layout(path: Path) -> TiffLayout | None:
-    """Of a TIFF."""
+    """How a TIFF stores its values; None where it cannot be read."""
     try:
         return tiff_layout(path)
     except OSError:
@@ -267,7 +267,7 @@ def wide_formats(image: ArrayImage) -> str:
 
 
 def _settings(suffix: str, quality: int | None) -> list[int]:
-    """Of the encoder; empty for its own defaults."""
+    """The encoder's settings for a JPEG of this quality; empty for its own defaults."""
     if quality is None or suffix not in JPEGS:
         return []
     whole = cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444

@@ -54,7 +54,7 @@ def _claim(left: Path, kind: str) -> Path | None:
 
 
 def _written(path: Path) -> float:
-    """When; long ago for one that another process has just taken."""
+    """When the file was written; long ago where another process has just removed it."""
     try:
         return path.stat().st_mtime
     except FileNotFoundError:

@@ -19,7 +19,7 @@ DEPTH = 3
 def map_steps(
     work: Generator[Done, None, Result], told: Callable[[Done], Told]
 ) -> Generator[Told, None, Result]:
-    """The same work and result; closed before its end, it closes the work."""
+    """The same work and result, with `told` of each step; closed before its end, it closes the work."""
     with closing(work):
         while True:
             try:
@@ -31,7 +31,7 @@ def map_steps(
 
 
 def run_to_end(work: Generator[object, None, Result]) -> Result:
-    """Its result."""
+    """Take all steps of the work and return its result."""
     while True:
         try:
             next(work)

@@ -127,7 +127,7 @@ def worded(now: Preparation) -> str:
 
 
 def rounded(seconds: float) -> str:
-    """No more digits than are known."""
+    """A time left in words, no more exact than such an estimate is."""
     if seconds < 10:
         return "a few seconds"
     if seconds < 100:

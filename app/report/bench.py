@@ -132,7 +132,7 @@ def opened(given: Path | None, scenes: tuple[Path, ...], say: Say) -> Iterator[B
 
 @dataclass(frozen=True)
 class Part:
-    """One section."""
+    """One section of the report, and its share of the time."""
 
     name: str
     share: float

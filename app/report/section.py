@@ -71,7 +71,7 @@ class Section:
 
 
 def is_number(cell: Cell) -> TypeGuard[int | float]:
-    """Finite, and no verdict."""
+    """A finite number, and not a verdict, which is a bool."""
     return isinstance(cell, int | float) and not isinstance(cell, bool) and math.isfinite(cell)
 
 

@@ -54,7 +54,7 @@ class Setting:
 
     @property
     def is_vessel(self) -> bool:
-        """In any of its ways."""
+        """Made by VesselSplat's method, in any of its variants."""
         return self.method in WAYS
 
 

@@ -24,7 +24,7 @@ from renderer.tools.search import without_still, without_tools
 
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
 class ClipPart:
-    """Of one clip; a clip of which nothing was said counts as a whole."""
+    """What counts of a clip, its frames and their pixels; by default all of it."""
 
     trim: tuple[FrameNumber, FrameNumber] | None = None
     """First and last frame that count, from 0."""

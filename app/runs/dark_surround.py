@@ -25,7 +25,7 @@ LEAST_TISSUE: Final = 0.5
 
 
 def spread(indices: Sequence[int]) -> list[int]:
-    """Those of the frames that are looked at."""
+    """A few of these frames that stand for all of them."""
     return evenly(indices, LOOKED_AT)
 
 
@@ -55,7 +55,7 @@ def lit_part(clip: Clip) -> Clip:
 
 
 def without_rim(field: FieldOfView) -> FieldOfView:
-    """As a camera that moves sees tissue."""
+    """The field without its dark rim, which stays in place while a moving camera sees other tissue."""
     return field.inset(RIM * field.width)
 
 

@@ -17,7 +17,7 @@ Gain = Annotated[float, Interval(ge=1 / MOST, le=MOST)]
 
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid", allow_inf_nan=False))
 class ExposureRecord:
-    """Found before training, which goes on by it."""
+    """The exposure of a clip's frames, found before training, which keeps to it when it goes on."""
 
     jitter: Annotated[float, Interval(ge=0)]
     """By how much the brightness of the training frames changes from one to the next, as a share."""

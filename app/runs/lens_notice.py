@@ -46,7 +46,7 @@ def lens_notice(clip: Clip, told: Distortion | None) -> str:
 
 
 def lens_of(clip: Clip, told: Distortion) -> LensCalibration:
-    """Of the clip's frames."""
+    """The lens that was found, as the calibration of the clip's frames."""
     camera, (width, height) = clip.cameras[0], clip.size
     return LensCalibration(
         fx=round(told.lens.fx * width / told.lens.width, 2),

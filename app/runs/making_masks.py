@@ -29,7 +29,7 @@ Find = Callable[[Frame], BoolImage]
 
 @dataclass(frozen=True)
 class MaskReport:
-    """How far it is, and of the frames so far how well."""
+    """How many masks are made, and how good they are so far."""
 
     done: Annotated[int, Ge(0)]
     given: Annotated[int, Ge(0)]

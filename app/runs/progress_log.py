@@ -14,7 +14,7 @@ Event = TypeVar("Event", Progress, Evaluated)
 
 @dataclass(frozen=True)
 class TrainingLog:
-    """Oldest first, of all its processes."""
+    """What a run has logged in all of its processes, oldest first."""
 
     progress: tuple[Progress, ...] = ()
     evaluated: tuple[Evaluated, ...] = ()

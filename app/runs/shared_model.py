@@ -58,7 +58,7 @@ class Slot:
 
 @dataclass
 class SlotWriter:
-    """The training process's end."""
+    """The end of a slot that the training process writes."""
 
     slot: Slot
     _block: SharedMemory | None = None

@@ -17,7 +17,7 @@ from renderer.train.events import Omission
 
 @dataclass(frozen=True)
 class FoundTools:
-    """Where `find_tools` finds some, they are no tissue."""
+    """Tools that were found by their colour: training leaves them out, as `find_tools` finds them."""
 
     frames: Annotated[int, Ge(1)]
     """Of those looked at, the ones that show tools."""

@@ -256,7 +256,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Training:
-    """How far that of a model has come."""
+    """How far the training of a model has come."""
 
     iteration: int
     iterations: int

@@ -86,7 +86,7 @@ class Scale:
         return tuple(step * index for index in range(first, last + 1))
 
     def text(self, value: float) -> str:
-        """As it stands at the bar."""
+        """A value as the colour bar is labelled with it, with the digits of the bar's steps."""
         if self.high - self.low < NO_EXTENT:
             return f"{value:.3g}"
         step = nice_step((self.high - self.low) / 4)
@@ -109,7 +109,7 @@ class Composed:
 
 
 def has_scale(kind: ViewKind) -> bool:
-    """Its colours are values."""
+    """Whether the colours of this view stand for values."""
     return kind in ("depth", "opacity", "motion", "difference")
 
 
@@ -171,7 +171,7 @@ def composed(
 
 
 def holding(scales: Sequence[Scale]) -> Scale:
-    """One that holds what each of them does, of one quantity."""
+    """The narrowest scale that holds all of these, which are of one quantity."""
     return replace(scales[0], low=min(one.low for one in scales), high=max(one.high for one in scales))
 
 

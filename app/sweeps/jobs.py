@@ -46,7 +46,7 @@ class Job:
         return hashlib.sha256(strict_json(dict(sorted(facts.items()))).encode()).hexdigest()[:16]
 
     def told(self) -> dict[str, Any]:
-        """As JSON has it."""
+        """The job as a row of the sweep's JSON."""
         return {"job": self.key, "task": self.task, "clip": self.clip, "clip_sha256": self.clip_sha256} | {
             "settings": self.settings.told()
         }

@@ -179,5 +179,5 @@ def _pairs(spreads: Sequence[Spread]) -> Iterator[Cell]:
 
 
 def _cell(value: Cell) -> Cell:
-    """A setting is no verdict."""
+    """A setting that is true or false as that word: a bool in a table reads as pass or FAIL."""
     return str(value).lower() if isinstance(value, bool) else value

@@ -126,7 +126,7 @@ def _clear(run: Path, keeps: Keeps) -> None:
 
 
 def _write_renders(evaluation: Evaluation, folder: Path) -> None:
-    """All or none."""
+    """All held-out frames rendered into a folder, which appears when it is complete."""
     with filled(folder / RENDERS) as renders:
         for index in evaluation.indices:
             _write_render(evaluation, index, renders / f"frame-{index:06d}.png")

@@ -116,7 +116,7 @@ def _head(content: bytes) -> _Head:
 
 
 def _sections(content: bytes, head: _Head) -> Iterator[_Section]:
-    """Each fits into the file."""
+    """The sections of a file; raises SplatFileError where one does not fit into it."""
     end = HEAD_SIZE + SECTION_SIZE * head.sections
     for place in range(head.sections):
         section = _Section(*SECTION.unpack_from(content, HEAD_SIZE + SECTION_SIZE * place))

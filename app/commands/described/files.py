@@ -114,7 +114,7 @@ def _lens(calibration: Calibration | None) -> list[Fact]:
 
 
 def _poses(clip: ClipRecord) -> list[Fact]:
-    """Of a run whose clip had none."""
+    """How well the poses fit that were estimated for the run; nothing where the clip had poses."""
     if (poses := clip.poses) is None:
         return []
     residuals = [each for each in poses.residuals if each is not None]
@@ -138,7 +138,7 @@ def _poses(clip: ClipRecord) -> list[Fact]:
 
 
 def _exposure(found: ExposureRecord | None) -> list[Fact]:
-    """Of a run that looked at it."""
+    """How the run corrects brightness; nothing of a run by a version that did not look for that."""
     if found is None:
         return []
     if not found.gains:
@@ -150,7 +150,7 @@ def _exposure(found: ExposureRecord | None) -> list[Fact]:
 
 
 def _time(steps: object, wall: float | None) -> Facts:
-    """Of a run that has taken steps."""
+    """Seconds of training; nothing before the first step."""
     if not isinstance(steps, int | float):
         return ()
     definitions = {"train_seconds": STEPS, "wall_seconds": WALL}

@@ -68,7 +68,7 @@ class Sources:
         return {str(one.get(name, "")) for one in self.told}
 
     def require_identity(self) -> Dataset:
-        """That of the one source. Raises UserError: there is none to keep."""
+        """The data set of the one source, for its identity. Raises UserError: there is none to keep."""
         if len(self.paths) != 1 or self.first is None:
             files = "several files" if len(self.paths) > 1 else f"{self.paths[0].name}, which is none"
             raise UserError(f"--keep-identity expects one DICOM file as INPUT, got {files}")

@@ -125,7 +125,7 @@ def write_dicom_video(
 
 
 def _sound(video: Path) -> Dataset:
-    """Of the one track."""
+    """The item that describes the audio track of the video."""
     from pydicom import Dataset
 
     from app.files.sound import named_layout

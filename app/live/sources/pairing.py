@@ -18,7 +18,7 @@ USUAL: Final = 1 / 25
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """Of one moment."""
+    """A left and a right frame of one moment."""
 
     left: Arrived
     right: Arrived

@@ -58,7 +58,7 @@ class Source(Protocol):
 
     @property
     def frames_per_second(self) -> float | None:
-        """As it says itself."""
+        """As the source reports it; None: it does not."""
 
     def read(self) -> Arrived | None:
         """The next frame, waiting for it; None where the source has ended for good.

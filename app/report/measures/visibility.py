@@ -128,7 +128,7 @@ def _method(bench: Bench, count: int) -> Iterator[str]:
 
 
 def _reading(found: Seen) -> Iterator[str]:
-    """From the figures."""
+    """What the figures say, in sentences."""
     own = [setting for setting in found if setting.is_vessel]
     default = next(setting for setting in own if setting.is_default)
     one, other = found[default], best_other(default, found)

@@ -21,7 +21,7 @@ class DicomVideo:
     """
 
     stereo = None
-    """It does not tell."""
+    """DICOM does not say whether frames hold both eyes."""
 
     def __init__(self, path: Path) -> None:
         self._path, self.header = path, read_header(path)

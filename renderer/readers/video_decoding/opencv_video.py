@@ -37,7 +37,7 @@ class OpenCvVideo:
 
     pixel_aspect = 1.0
     stereo = None
-    """OpenCV tells neither."""
+    """OpenCV reports neither, whatever the file says."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -177,7 +177,7 @@ def _packets(path: Path) -> cv2.VideoCapture:
 
 
 def _stamps(capture: cv2.VideoCapture) -> list[int]:
-    """Of what comes."""
+    """The time stamps of all frames or packets, in the order in which the capture gives them."""
     stamps = []
     while capture.grab():
         stamps.append(int(capture.get(cv2.CAP_PROP_PTS)))
