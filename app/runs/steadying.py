@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from app.runs.exposure_record import MOST, ExposureRecord
+from app.runs.posing import Posed
 from renderer.camera import FloatArray
 from renderer.clip import Clip, Frame
 from renderer.frame_gains import jitter, log_gain_beside, log_gains
@@ -55,11 +57,16 @@ def exposure_left_out(found: ExposureRecord | None, config: TrainConfig) -> tupl
     return (Omission("exposure", found.said, SAVES, "exposure"),)
 
 
-def exposure_notices(found: ExposureRecord | None) -> tuple[str, ...]:
-    """What the start of training says of gains that are used."""
-    if found is None or not found.gains:
-        return ()
-    return (f"{found.said}: each has a gain, and the model shows all of them in steady light",)
+def in_exposure(posed: Posed, found: ExposureRecord | None, config: TrainConfig) -> Posed:
+    """With the notices and omissions of what was found."""
+    told: tuple[str, ...] = ()
+    if found is not None and found.gains:
+        told = (f"{found.said}: each has a gain, and the model shows all of them in steady light",)
+    return replace(
+        posed,
+        notices=(*posed.notices, *told),
+        omitted=(*posed.omitted, *exposure_left_out(found, config)),
+    )
 
 
 def _is_sought(config: TrainConfig) -> bool:

@@ -44,7 +44,7 @@ from app.runs.run_folder import (
     RunRecord,
 )
 from app.runs.run_lock import locked, require_free
-from app.runs.steadying import STAGE, exposure_left_out, exposure_notices, found_exposure
+from app.runs.steadying import STAGE, found_exposure, in_exposure
 from app.runs.structuring import structured
 from app.runs.tool_masks import FOLDER, ToolMasks, keep
 from app.runs.trained_clip import input_clip
@@ -141,7 +141,7 @@ def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[Trai
     ahead.hand_over()
     through = replace(through, notices=(*clip.notices, *through.notices))
     try:
-        yield from _train(record, run, _in_exposure(through, record), clock, begin)
+        yield from _train(record, run, in_exposure(through, record.exposure, record.config), clock, begin)
     except TrainingError as error:
         raise UserError(f"{error}; run: {run.path}") from error
 
@@ -166,15 +166,6 @@ def _open_part(
     elif copies is not None:
         keep(copies, run.path)
     return bare, whole, part, copies
-
-
-def _in_exposure(through: Posed, record: RunRecord) -> Posed:
-    """The clip with the notices and omissions of the exposure in the run's record."""
-    return replace(
-        through,
-        notices=(*through.notices, *exposure_notices(record.exposure)),
-        omitted=(*through.omitted, *exposure_left_out(record.exposure, record.config)),
-    )
 
 
 def _through_cameras(
