@@ -112,7 +112,8 @@ class ClipPart:
         """The same for a frame, of the size of the field of view."""
         lit = frame if self.field_of_view is None else within(frame, self.field_of_view.mask())
         bare = lit if self.burned_in is None else without_still(lit, self.burned_in.still)
-        return bare if self.tools is None else without_tools(bare, self.tools.still)
+        found = self.tools
+        return bare if found is None else without_tools(bare, found.still, found.reach)
 
     def _trimmed(self, clip: Clip) -> Clip:
         self.require_within(clip)

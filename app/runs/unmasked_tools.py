@@ -9,7 +9,7 @@ from typing import Annotated
 from annotated_types import Ge, Interval
 
 from renderer.clip import BoolImage, ByteImage, Frame
-from renderer.tools.search import tools_alone, with_margin, with_still
+from renderer.tools.search import REACH, tools_alone, with_margin, with_still
 from renderer.tools.shrinking import shrunk
 from renderer.tools.still import StillArea, still_areas
 from renderer.train.events import Omission
@@ -26,6 +26,9 @@ class FoundTools:
     """Of the pixels of all frames looked at."""
     still: tuple[StillArea, ...] = ()
     """Of them; runs of versions before have none, and find each frame's tools by that frame alone."""
+    reach: Annotated[float, Interval(ge=0, le=1)] = 0.0
+    """Of the longer side: pieces of a tool are as near to each other; 0, as in runs of versions before: each
+    enters by itself."""
 
 
 def tools_in(frames: Iterable[Frame]) -> FoundTools | None:
@@ -47,7 +50,7 @@ def tools_in(frames: Iterable[Frame]) -> FoundTools | None:
         for small, one in zip(images, alone, strict=True)
     ]
     found = sum(share > 0 for share in shares)
-    return FoundTools(found, len(shares), sum(shares) / len(shares), still) if found else None
+    return FoundTools(found, len(shares), sum(shares) / len(shares), still, REACH) if found else None
 
 
 def omission_of(found: FoundTools) -> Omission:

@@ -53,7 +53,7 @@ class LearnedTools:
 
         Half of the pixels that are drawn are tool, half are tissue, however large the tools are. On every
         third frame of the pulling and mesentery clips that is not held out, IoU with the masks that others
-        made, from 1, 2 and 3 masked frames: .84, .89 and .91, .73, .77 and .77; by colour alone .70 and .57;
+        made, from 1, 2 and 3 masked frames: .84, .89 and .91, .73, .77 and .77; by colour alone .73 and .57;
         carried along by optical flow, from one frame, .70 ten frames on and .54 twenty-five on.
         """
         drawn = [_drawn(each, place) for place, each in enumerate(examples)]

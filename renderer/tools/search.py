@@ -25,6 +25,11 @@ LEAST_REDNESS: Final = 0.2
 """ln(R / G) of tissue; paler tissue, as through amniotic fluid, is not told from steel."""
 GREY_SHARE: Final = 0.2
 """Of a tool, reflections left out, that is grey: pale tissue is of mixed colour alone."""
+GREY_SHARE_WITHIN: Final = 0.5
+"""The same of a piece that does not enter by itself."""
+REACH: Final = 0.075
+"""Of the longer side: pieces of a tool, as shaft and jaws, are as near to each other, with what is blurred or
+mirrors tissue between them."""
 STEP: Final = 0.27
 """Of the tissue's redness, from within a tool to what lies beside it; pale tissue fades into red."""
 MARGIN: Final = 0.025
@@ -38,13 +43,15 @@ _RIM = 4  # px of the small image: what ends there comes from beyond the view.
 _OPENING = 5  # px of the small image: thinner than that are reflections and vessels.
 
 
-def find_tools(image: ByteImage, seen: BoolImage, still: Iterable[StillArea] = ()) -> BoolImage:
+def find_tools(
+    image: ByteImage, seen: BoolImage, still: Iterable[StillArea] = (), reach: float = REACH
+) -> BoolImage:
     """(H, W), True = tool and its margin, of an RGB image (H, W, 3).
 
     `seen` (H, W) is True where the endoscope sees something; what stands `still` over its clip is found
-    where it looks the same. Else a tool is a connected area of grey and mixed colour that enters from the
-    edge of what is seen, and ends sharply. Colour is ln(R / G): brightness, and so the distance of the lamp,
-    cancels. Nothing is found where tissue itself is grey.
+    where it looks the same. Else a tool is a connected area of grey and mixed colour that ends sharply, and
+    enters from the edge of what is seen, by itself or by way of others within `reach`. Colour is ln(R / G):
+    brightness, and so the distance of the lamp, cancels. Nothing is found where tissue itself is grey.
 
     The constants were chosen on training frames of the pulling and mesentery clips, whose tools are
     known, and of the wall, which has none: edges step by 0.34 to 1.3 of the tissue's redness where a tool
@@ -52,14 +59,16 @@ def find_tools(image: ByteImage, seen: BoolImage, still: Iterable[StillArea] = (
     and tissue as blue as steel.
     """
     small = shrunk(image)
-    return with_margin(with_still(tools_alone(small, seen), small, still), seen.shape)
+    return with_margin(with_still(tools_alone(small, seen, reach), small, still), seen.shape)
 
 
-def tools_alone(small: ByteImage, seen: BoolImage) -> ByteImage:
+def tools_alone(small: ByteImage, seen: BoolImage, reach: float = REACH) -> ByteImage:
     """(h, w), 1 where a tool is, without its margin, else 0: of an image (h, w, 3) as `shrunk` makes it."""
     size = small.shape[1], small.shape[0]
     colors = _Colors.of(small, cv2.resize(seen.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0)
-    return _entering(colors) if colors.tissue >= LEAST_REDNESS else np.zeros(small.shape[:2], np.uint8)
+    if colors.tissue < LEAST_REDNESS:
+        return np.zeros(small.shape[:2], np.uint8)
+    return _entering(colors, round(reach * max(size)))
 
 
 def with_still(alone: ByteImage, small: ByteImage, still: Iterable[StillArea]) -> ByteImage:
@@ -77,11 +86,11 @@ def with_margin(alone: ByteImage, size: tuple[int, ...]) -> BoolImage:
     return np.asarray(cv2.resize(wide, (size[1], size[0]), interpolation=cv2.INTER_LINEAR) > 0)
 
 
-def without_tools(frame: Frame, still: Iterable[StillArea]) -> Frame:
+def without_tools(frame: Frame, still: Iterable[StillArea], reach: float) -> Frame:
     """The frame where tools, as `find_tools` sees them, are no tissue; as it is where they are known."""
     if frame.tools_are_known:
         return frame
-    return within(frame, ~find_tools(frame.image, frame.tissue_mask, still))
+    return within(frame, ~find_tools(frame.image, frame.tissue_mask, still, reach))
 
 
 def without_still(frame: Frame, still: Iterable[StillArea]) -> Frame:
@@ -118,8 +127,9 @@ class _Colors:
         return self.inside & (self.red < min(MIXED, MIXED_SHARE * self.tissue))
 
 
-def _entering(colors: _Colors) -> ByteImage:
-    """(h, w), 1 on areas of mixed colour from the rim that are grey enough and end sharply, else 0."""
+def _entering(colors: _Colors, reach: int) -> ByteImage:
+    """(h, w), 1 on areas of mixed colour that are grey enough and end sharply, and enter from the rim, by
+    themselves or by way of others within `reach` px, else 0."""
     opened = cv2.morphologyEx(colors.mixed.astype(np.uint8), cv2.MORPH_OPEN, disc(_OPENING))
     _, labels, facts, _ = cv2.connectedComponentsWithStats(opened)
     count = len(facts)
@@ -128,11 +138,23 @@ def _entering(colors: _Colors) -> ByteImage:
     greys = np.bincount(labels[colors.usable & (colors.red < GREY)], minlength=count)
     reaches = np.bincount(labels[~clear], minlength=count) > 0
     large = facts[:, cv2.CC_STAT_AREA] > SMALLEST * labels.size
-    tools = reaches & large & (greys > GREY_SHARE * coloured)
-    tools[0] = False  # What is of no mixed colour.
-    for label in np.flatnonzero(tools):
-        tools[label] = _step(colors, labels == label, clear) > STEP * colors.tissue
-    return np.asarray(tools[labels], dtype=np.uint8)
+    pieces = large & (greys > np.where(reaches, GREY_SHARE, GREY_SHARE_WITHIN) * coloured)
+    pieces[0] = False  # What is of no mixed colour.
+    sharp = pieces.copy()
+    for label in np.flatnonzero(pieces):
+        sharp[label] = _step(colors, labels == label, clear) > STEP * colors.tissue
+    # What is blurred at the rim still says that a tool enters there.
+    joined = _joined((sharp | pieces & reaches)[labels], ~clear, reach)
+    return np.asarray(sharp[labels] & joined, dtype=np.uint8)
+
+
+def _joined(areas: BoolImage, rim: BoolImage, reach: int) -> BoolImage:
+    """(h, w), True where areas at the rim are, or others that lead there in steps of up to `reach` px."""
+    away = cv2.distanceTransform((~areas).astype(np.uint8), cv2.DIST_L2, 5)
+    _, groups = cv2.connectedComponents((away <= reach / 2).astype(np.uint8))
+    enters = np.zeros(groups.max() + 1, bool)
+    enters[groups[areas & rim]] = True
+    return np.asarray(areas & enters[groups])
 
 
 def _step(colors: _Colors, area: BoolImage, clear: BoolImage) -> float:

@@ -30,6 +30,7 @@ from tests.app.conftest import Cli, request_of
 from tests.app.looking import found_omissions
 
 PANEL = np.s_[215:240, 0:90]
+JAWS = np.s_[100:140, 80:130]
 
 
 def test_a_run_leaves_them_out_and_says_so(unmasked: Path, clip_path: Path, tmp_path: Path) -> None:
@@ -106,6 +107,21 @@ def test_a_panel_is_masked_in_every_frame_but_in_runs_of_versions_before() -> No
         assert now.cleared(frame).tissue_mask.mean() > 0.8
 
 
+def test_jaws_apart_from_their_shaft_are_masked_but_in_runs_of_versions_before() -> None:
+    frames = [in_pieces(index) for index in range(2)]
+    found = tools_in(frames)
+    assert found is not None
+    assert not found.still  # Of two frames nobody knows.
+    facts = json.loads(to_json(ClipPart(tools=found)))
+    del facts["tools"]["reach"]
+    before = TypeAdapter(ClipPart).validate_python(facts)
+    for frame in frames:
+        alone = ~find_tools(frame.image, frame.tissue_mask, reach=0.0)
+        assert np.array_equal(before.cleared(frame).tissue_mask, alone)
+        assert alone[JAWS].mean() > 0.5
+        assert not ClipPart(tools=found).cleared(frame).tissue_mask[JAWS].any()
+
+
 def test_masks_that_are_made_by_colour_hold_it_in_every_frame(tmp_path: Path, vesselsplat: Cli) -> None:
     (tmp_path / "clip").mkdir()
     for index in range(8):
@@ -123,3 +139,11 @@ def with_panel(index: int, is_pale: bool) -> Frame:
     image[PANEL] = 60
     every = np.ones((240, 320), bool)
     return Frame(index, index / 8, image, Camera.from_fov(60, 320, 240), every, every)
+
+
+def in_pieces(index: int) -> Frame:
+    """A grey shaft from the left, whose length changes, and its jaws, with red tissue between them."""
+    image = np.full((240, 320, 3), (150, 70, 60), np.uint8)
+    image[100:140, : 60 + 2 * index] = image[JAWS] = (120, 122, 126)
+    every = np.ones((240, 320), bool)
+    return Frame(index, index / 2, image, Camera.from_fov(60, 320, 240), every, every)

@@ -1,4 +1,5 @@
-"""Tools are found by their colour: grey, in from the edge, with a sharp end. No tissue is."""
+"""Tools are found by their colour: grey, in from the edge, in one or more pieces, with a sharp end. No tissue
+is."""
 
 from __future__ import annotations
 
@@ -7,7 +8,7 @@ import pytest
 
 from renderer.clip import BoolImage, ByteImage
 from renderer.phantom import Phantom, PhantomParams
-from renderer.tools.search import MARGIN, find_tools
+from renderer.tools.search import MARGIN, REACH, find_tools
 
 WIDTH, HEIGHT = 320, 256
 RED, STEEL, FAT, PALE = (150, 70, 60), (120, 122, 126), (190, 150, 70), (200, 168, 160)
@@ -39,6 +40,51 @@ def test_a_grey_bar_from_the_edge_is_a_tool(steel: tuple[int, int, int], exposur
     assert not found[: 100 - away].any()
     assert not found[140 + away :].any()
     assert not found[:, WIDTH // 2 + away :].any()
+
+
+def in_pieces(gap: int, blur: int = 0) -> tuple[ByteImage, BoolImage]:
+    """A bar that enters up to column 60, and its jaws `gap` px farther on; the bar fades over `blur` rows."""
+    image, bar = with_bar(tissue(), STEEL)
+    y = np.arange(HEIGHT)
+    share = (
+        np.clip(np.minimum(y - 90, 150 - y) / blur, 0, 1) if blur else ((y >= 100) & (y < 140)).astype(float)
+    )
+    steel = share[:, None, None] * np.array(STEEL) + (1 - share[:, None, None]) * tissue()
+    image[:, :60] = steel[:, :60].astype(np.uint8)
+    image[:, 60 : 60 + gap] = tissue()[:, 60 : 60 + gap]
+    jaws = bar.copy()
+    jaws[:, : 60 + gap] = False
+    return image, jaws
+
+
+def test_a_tool_in_pieces_is_one_tool() -> None:
+    gap = int(REACH * WIDTH) - 8
+    image, jaws = in_pieces(gap)
+    assert find_tools(image, ALL)[jaws].all()
+    assert find_tools(image, ALL)[100:140, :60].all()
+    image, jaws = in_pieces(gap + 20)
+    assert find_tools(image, ALL)[jaws].mean() < 0.3, "a stone beside a tool"
+
+
+def test_pale_tissue_beside_a_tool_is_no_piece_of_it() -> None:
+    image, pale = in_pieces(int(REACH * WIDTH) - 8)
+    pale[100:114] = False  # A third of it shines grey.
+    image[pale] = (138, 119, 120)
+    assert find_tools(image, ALL)[pale].mean() < 0.3
+
+
+def test_what_is_blurred_where_it_enters_leads_to_what_is_sharp() -> None:
+    image, jaws = in_pieces(int(REACH * WIDTH) - 8, blur=30)
+    found = find_tools(image, ALL)
+    assert found[jaws].all()
+    assert not found[:, :20].any(), "too blurred to be told from pale tissue"
+
+
+def test_without_a_reach_every_piece_enters_by_itself() -> None:
+    image, jaws = in_pieces(6)
+    alone = find_tools(image, ALL, reach=0.0)
+    assert alone[100:140, :60].all()
+    assert alone[jaws].mean() < 0.3
 
 
 def test_size_does_not_matter() -> None:
