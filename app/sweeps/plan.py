@@ -25,8 +25,16 @@ from app.sweeps.spec import Spec, all_settings, clip_paths, jobs_asked_for
 from renderer.clip import ClipError
 from renderer.layouts import layout_of
 from renderer.readers.clip_options import ClipOptions
+from renderer.readers.video_header import read_video_header
 from renderer.regular_files import read_regular
-from renderer.sources import require_depth_source
+from renderer.sources import open_bare, require_depth_source, with_chosen_depth
+
+WITHOUT_DEPTH: Final = {
+    "video": "a video, which has none",
+    "image": "one image, which has none",
+    "images": "a folder of images without any",
+}
+"""What is said of such a clip, by the name of its layout."""
 
 
 @dataclass(frozen=True)
@@ -90,19 +98,33 @@ def _require_images(clip: Path) -> None:
 
 
 def _require_depth(clip: Path, settings: Sequence[Settings]) -> None:
-    """Raises UserError: a video in which no setting finds depth, of which each job would only say so."""
+    """Raises UserError: a video or images that cannot be opened or in which no setting finds depth, of which
+    each job would only say so."""
     asked = {training.options for each in settings if (training := training_of(each)) is not None}
-    if asked and not any(_may_have_depth(clip, options) for options in asked):
+    try:
+        lacks = asked and not any(_may_have_depth(clip, options) for options in asked)
+    except ClipError as error:
+        raise UserError(str(error)) from error
+    if lacks:
         way = 'depth = "brightness" or "motion" in the settings of a sweep finds it without a scale'
-        raise UserError(f"expected clips with depth, got a video, which has none ({way}): {clip}")
+        got = WITHOUT_DEPTH[layout_of(clip).name]
+        raise UserError(f"expected clips with depth, got {got} ({way}): {clip}")
 
 
 def _may_have_depth(clip: Path, options: ClipOptions) -> bool:
+    """By the header of a video, and by the files of images. Raises ClipError: they cannot be opened."""
+    layout = layout_of(clip).name
+    if layout not in WITHOUT_DEPTH:
+        return True
+    if layout == "video":
+        read_video_header(clip)
+    bare = None if layout == "video" else open_bare(clip, options)
     try:
         require_depth_source(clip, options)
+        found = bare and with_chosen_depth(bare, options)
     except ClipError:
         return False
-    return True
+    return found is None or found.has_depth or found.depth_origin == "motion"
 
 
 def write_sweep(plan: Plan, folder: Path) -> None:

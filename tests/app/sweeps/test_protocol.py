@@ -7,6 +7,7 @@ from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
+from PIL import Image
 
 from app.commands.protocol import compared
 from app.sweeps.jobs import JobFolder
@@ -54,6 +55,30 @@ def test_a_video_without_depth_is_refused_before_the_first_job(vesselsplat: Cli,
     path = tmp_path / "sweep.toml"
     for found in ({"grid": {"depth": ["auto", "brightness"]}}, {"settings": {"stereo": "side-by-side"}}):
         assert planned(spec_of({"clips": [str(video)], "task": "train"} | found, path), path).jobs
+
+
+def test_images_without_depth_are_refused_before_the_first_job(vesselsplat: Cli, tmp_path: Path) -> None:
+    folder = tmp_path / "images"
+    folder.mkdir()
+    for name in "ab":
+        Image.fromarray(np.full((48, 64, 3), 90, np.uint8)).save(folder / f"{name}.png")
+    for clip, got in ((folder, "a folder of images without any"), (folder / "a.png", "one image")):
+        called = vesselsplat("protocol", clip, "--out", tmp_path / "out")
+        assert (called.code, called.out, called.error.count("\n")) == (2, "", 1)
+        assert f"expected clips with depth, got {got}" in called.error
+        assert not (tmp_path / "out").exists()
+    path, given = tmp_path / "sweep.toml", {"clips": [str(folder)], "task": "train"}
+    assert planned(spec_of(given | {"grid": {"depth": ["auto", "brightness"]}}, path), path).jobs
+    (folder / "b.png").write_bytes(b"damaged")
+    (tmp_path / "text.mp4").write_text("no video")
+    for clip, said in (
+        (folder, "expected an image, got"),
+        (tmp_path / "text.mp4", "expected an image or a video, got"),
+    ):
+        called = vesselsplat("protocol", clip, "--out", tmp_path / "out")
+        assert (called.code, called.out, called.error.count("\n")) == (2, "", 1)
+        assert said in called.error
+        assert not (tmp_path / "out").exists()
 
 
 def test_rows_of_a_known_clip_stand_beside_the_published_ones(clip_path: Path, tmp_path: Path) -> None:
