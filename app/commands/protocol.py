@@ -15,6 +15,7 @@ from app.errors import UserError
 from app.files.legible import require_utf8
 from app.files.provenance import provenance, strict_json
 from app.report.section import Cell, Column, Table
+from app.sweeps.engines.opening import require_engine
 from app.sweeps.plan import planned, read_sweep
 from app.sweeps.published import of_clip
 from app.sweeps.spec import spec_of
@@ -50,6 +51,7 @@ def run(flags: argparse.Namespace) -> None:
         return
     if not flags.clips or flags.out is None:
         raise UserError("expected CLIP... and --out DIR, or --print")
+    require_engine(flags.on)
     spec = spec_of(tomllib.loads(text) | {"clips": clips}, Path(SPEC))
     plan = planned(spec, Path(SPEC))
     carry_out(plan, flags.out, on=flags.on, workers=flags.workers, retry=flags.retry)

@@ -34,6 +34,9 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 
 def run(flags: argparse.Namespace) -> None:
+    for path in flags.source:
+        if not path.exists():
+            raise UserError(f"--source: expected a file or folder, got no such path: {path}")
     with _target(flags) as target:
         replayed = replay(flags.file, tuple(flags.source), target)
     if flags.json:

@@ -39,6 +39,8 @@ def run(flags: argparse.Namespace) -> None:
     if len(notes) > len(flags.images):
         raise UserError(f"expected at most a --note per image, got {len(notes)} for {len(flags.images)}")
     paths: Sequence[Path] = flags.images
+    if missing := next((path for path in paths if not path.exists()), None):
+        raise UserError(f"expected an image that VesselSplat saved, got no such file: {missing}")
     pictures = tuple(zip(paths, (*notes, *[""] * (len(paths) - len(notes))), strict=True))
     wanted = Summary(flags.title, date.today().isoformat(), flags.notes, pictures)
     with filled(flags.page.parent) as staging:

@@ -92,6 +92,9 @@ def run(flags: argparse.Namespace) -> None:
         raise UserError("--measures: expected --table and the folder of a sweep, got a sweep to run")
     if flags.out is None:
         raise UserError("expected --out DIR, the folder to write into, or --table")
+    if not flags.sweep.exists():
+        raise UserError(f"expected a sweep in TOML, got no such file: {flags.sweep}")
+    require_engine(flags.on)
     plan = planned(read_spec(flags.sweep), flags.sweep)
     if flags.dry_run:
         _preview(plan, flags)
@@ -106,9 +109,8 @@ def carry_out(plan: Plan, folder: Path, *, on: str, workers: int | None, retry: 
     of what is asked for is a line on stderr.
 
     Raises:
-        UserError: no such engine, another process runs a sweep there, or the engine is gone.
+        UserError: another process runs a sweep there, or the engine `on` is gone.
     """
-    require_engine(on)
     with made(folder), sweep_locked(folder):
         write_sweep(plan, folder)
         if retry:

@@ -265,6 +265,13 @@ def test_a_missing_or_changed_source_is_one_line(folder: Path, tmp_path: Path, v
     assert "has changed since 1.png was made" in call.error
 
 
+def test_a_source_that_is_not_there_is_one_line(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    vesselsplat("enhance", folder / "1.png", tmp_path / "made.png")
+    called = vesselsplat("replay", tmp_path / "made.png", "--source", tmp_path / "none")
+    wanted = "--source: expected a file or folder, got no such path"
+    assert (called.code, called.error) == (2, f"vesselsplat: {wanted}: {tmp_path / 'none'}\n")
+
+
 def test_a_source_is_known_by_its_bytes(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
     out = tmp_path / "out.png"
     assert vesselsplat("enhance", folder / "1.png", out).code == 0

@@ -161,7 +161,7 @@ def test_the_command_writes_it(vesselsplat: Cli, tmp_path: Path) -> None:
         (("page.txt", PICTURES[0]), r"expected the name of an \.html file, got page\.txt"),
         (("page.html", BEFORE / "photo.png"), "expected an image saved by VesselSplat, found no provenance"),
         (("page.html", BEFORE / "depth.npy"), "expected an image that browsers show, PNG or JPEG"),
-        (("page.html", BEFORE / "none.png"), "No such file"),
+        (("page.html", BEFORE / "none.png"), "expected an image that VesselSplat saved, got no such file"),
         (("page.html", PICTURES[0], "--note", "a", "--note", "b"), "at most a --note per image, got 2 for 1"),
         (("page.html", PICTURES[0], "--title", "x" * 101), "length of at most 100, got 101"),
     ],

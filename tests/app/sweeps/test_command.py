@@ -103,10 +103,11 @@ def test_mistakes_are_one_line(
 
 
 def test_where_no_jobs_run_nothing_is_written(vesselsplat: Cli, spec: Path, tmp_path: Path) -> None:
-    called = vesselsplat("sweep", spec, "--out", tmp_path / "out", "--on", "slrum")
-    assert called.code == 2
-    assert "--on: expected local, dask, tcp://HOST:PORT or slurm, got 'slrum'" in called.error
-    assert not (tmp_path / "out").exists()
+    for more in ((), ("--dry-run",)):
+        called = vesselsplat("sweep", spec, "--out", tmp_path / "out", "--on", "slrum", *more)
+        assert called.code == 2
+        assert "--on: expected local, dask, tcp://HOST:PORT or slurm, got 'slrum'" in called.error
+        assert not (tmp_path / "out").exists()
 
 
 def test_what_a_sweep_that_runs_records_is_not_replaced(vesselsplat: Cli, spec: Path, tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ from app.sweeps.settings import Enhancing
 from app.sweeps.spec import Spec, all_settings, clip_paths, jobs_asked_for, read_spec, spec_of
 from app.sweeps.spec_file import spec_text
 from enhance import EnhanceParams
+from tests.app.conftest import Cli
 
 PLACE = Path("sweep.toml")
 
@@ -124,6 +125,12 @@ def test_a_file_that_is_no_toml_is_one_line(tmp_path: Path, text: bytes) -> None
     (tmp_path / "sweep.toml").write_bytes(text)
     with pytest.raises(UserError, match=r"expected a sweep in TOML"):
         read_spec(tmp_path / "sweep.toml")
+
+
+def test_a_file_that_is_not_there_is_one_line(tmp_path: Path, vesselsplat: Cli) -> None:
+    called = vesselsplat("sweep", tmp_path / "none.toml", "--out", tmp_path / "out")
+    wanted = "expected a sweep in TOML, got no such file"
+    assert (called.code, called.error) == (2, f"vesselsplat: {wanted}: {tmp_path / 'none.toml'}\n")
 
 
 def test_a_byte_order_mark_is_no_part_of_the_file(tmp_path: Path) -> None:
