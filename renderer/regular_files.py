@@ -5,6 +5,8 @@ from __future__ import annotations
 import errno
 import os
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 MOST_BYTES = 1 << 28
@@ -48,7 +50,8 @@ def what_else(path: Path) -> str:
 def read_whole(path: Path) -> bytes:
     """The content of a regular file of any size. Raises OSError: it cannot be read, or is something else."""
     require_regular(path)
-    return path.read_bytes()
+    with _named(path):
+        return path.read_bytes()
 
 
 def read_regular(path: Path, most: int = MOST_BYTES) -> bytes:
@@ -61,12 +64,23 @@ def read_regular(path: Path, most: int = MOST_BYTES) -> bytes:
     if size > most:
         expected = f"expected at most {_megabytes(most)}, got {_megabytes(size)}"
         raise OSError(errno.EFBIG, expected, str(path))
-    with path.open("rb") as file:
+    with _named(path), path.open("rb") as file:
         content = file.read(most + 1)
     # A file may grow while it is read.
     if len(content) > most:
         raise OSError(errno.EFBIG, f"expected at most {_megabytes(most)}, got more", os.fspath(path))
     return content
+
+
+@contextmanager
+def _named(path: Path) -> Iterator[None]:
+    """Errors that come while a file is read, as of a disk that fails, name it; the system does not."""
+    try:
+        yield
+    except OSError as error:
+        if error.filename is not None:
+            raise
+        raise OSError(error.errno, error.strerror, os.fspath(path)) from error
 
 
 def _megabytes(size: int) -> str:
