@@ -244,6 +244,8 @@ class RunFolder:
         """Raises UserError: something is here that a new run could harm."""
         there = self.path
         if not there.exists():
+            if not next(place for place in there.absolute().parents if place.exists()).is_dir():
+                raise UserError(f"expected a folder, got a file as a parent of {there}")
             return
         if not there.is_dir():
             raise UserError(f"expected an empty or new folder for the run, got a file: {there}")

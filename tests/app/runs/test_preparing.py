@@ -196,6 +196,16 @@ def test_a_run_that_cannot_be_written_is_refused_before_the_clip_is_opened(
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_run_below_a_file_is_refused_before_the_clip_is_opened(
+    clip_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.runs.train_run.open_bare", no_clip)
+    (tmp_path / "file").write_text("")
+    for place in ("file/run", "file/deep/run"):
+        with pytest.raises(UserError, match=r"expected a folder, got a file as a parent of .*run"):
+            next(run_training(request_of(clip_path, tmp_path / place)))
+
+
 @pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="only Linux has /proc")
 def test_a_place_where_no_folder_can_be_made_is_not_called_full(clip_path: Path) -> None:
     with pytest.raises(UserError, match="expected a writable folder for the run, got one that is not: /proc"):
