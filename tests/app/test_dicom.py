@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 import pytest
 from PIL import Image
-from pydicom import dcmread
+from pydicom import Dataset, dcmread
 from pydicom.encaps import get_frame
 from pydicom.tag import Tag, tag_in_exception
 
@@ -244,3 +244,19 @@ def test_a_full_disk_is_told_of_the_object(
     assert (done.code, done.error.count("\n"), "film.mp4" in done.error) == (2, 1, False)
     assert f"No space left on device: {tmp_path / 'a.dcm'}" in done.error
     assert not any(tmp_path.iterdir())
+
+
+def test_a_full_disk_is_told_of_a_still(
+    tmp_path: Path, vesselsplat: Cli, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The system names no file, and pydicom tells its error in words of its own."""
+
+    def full(*_: object, **__: object) -> None:
+        with tag_in_exception(Tag("PixelData")):
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Dataset, "save_as", full)
+    cv2.imwrite(str(tmp_path / "a.png"), IMAGE)
+    done = vesselsplat("enhance", tmp_path / "a.png", tmp_path / "a.dcm", "--burned-in", "no")
+    assert (done.code, done.error) == (2, f"vesselsplat: No space left on device: {tmp_path / 'a.dcm'}\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["a.png"]

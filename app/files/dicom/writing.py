@@ -69,7 +69,7 @@ def write_dicom_still(path: Path, image: ArrayImage, facts: dict[str, Any], deri
         named = f"{path.suffix} holds 8 bits a value, not {image.dtype}"
         raise UserError(f"{named}; name the output {wide_formats(image)}: {path}")
     pixels = np.ascontiguousarray(image[..., :3] if image.ndim == 3 else image)
-    with quiet(), replaced(path) as place:
+    with replaced(path) as place, quiet():
         made = derived.labels("still", facts)
         made.Rows, made.Columns = pixels.shape[:2]
         _of_bytes(made, 1 if pixels.ndim == 2 else 3, "MONOCHROME2" if pixels.ndim == 2 else "RGB")
