@@ -33,8 +33,8 @@ def redo_name(state: AppState) -> str:
 
 
 def _take(state: AppState, chosen: SettingsSnapshot) -> None:
-    now, draft, look = state.comparing.chosen, state.runs.reconstruction, state.enhancement
-    look.params, look.scope, look.pixels = chosen.params, chosen.scope, chosen.pixels
+    now, draft, used = state.comparing.chosen, state.runs.reconstruction, state.enhancement
+    used.params, used.scope, used.pixels = chosen.params, chosen.scope, chosen.pixels
     state.comparing.chosen = replace(chosen.comparison, wipe=now.wipe, flipped=now.flipped)
     draft.config, draft.input, draft.kept = chosen.config, chosen.input, chosen.kept
     baseline, view = chosen.baseline, chosen.field_of_view

@@ -84,7 +84,7 @@ def answer_forget(state: AppState, *, delete: bool) -> None:
 
 def forget(state: AppState, name: str) -> None:
     """Delete an own preset."""
-    left = {known: look for known, look in state.enhancement.presets.items() if known != name}
+    left = {known: params for known, params in state.enhancement.presets.items() if known != name}
     _save(state, left, f"preset {name} deleted")
 
 
@@ -110,7 +110,7 @@ def answer_rename(state: AppState, *, rename: bool) -> None:
     before, state.enhancement.preset_renamed = state.enhancement.preset_renamed, ""
     name = _kept_name(state.enhancement.preset_draft)
     if rename and not reason and name != before and before in presets:
-        left = {known: look for known, look in presets.items() if known != before}
+        left = {known: params for known, params in presets.items() if known != before}
         _save(state, {**left, name: presets[before]}, f"preset {before} renamed to {name}")
 
 

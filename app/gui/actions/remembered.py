@@ -19,7 +19,7 @@ def begin(state: AppState) -> None:
     on, where the paper's method makes them fainter on some.
     """
     known, chosen = state.settings, state.enhancement
-    chosen.params = next(look for look in BUILT_IN.values() if preset_of(look) == known.method)
+    chosen.params = next(params for params in BUILT_IN.values() if preset_of(params) == known.method)
     chosen.scope, chosen.pixels = known.scope, known.pixels
     mode = "side by side" if known.mode == "difference" else known.mode
     state.comparing.chosen = replace(state.comparing.chosen, mode=mode)

@@ -139,19 +139,19 @@ def way_out(left: Left, failure: str) -> str:
 
 
 def has_preview(state: AppState, path: Path | None) -> bool:
-    """The model as it was before this run was cut short is still there."""
+    """The model as it was before this run was interrupted is still in memory."""
     return state.runs.preview is not None and path is not None and state.runs.preview.name == path.name
 
 
-def why_not_look(state: AppState, path: Path | None, *, has_checkpoint: bool) -> str:
-    """Why a run that was cut short cannot be looked at, in a sentence; empty when it can."""
+def why_not_view(state: AppState, path: Path | None, *, has_checkpoint: bool) -> str:
+    """Why the model of an interrupted run cannot be viewed, in a sentence; empty when it can."""
     if has_preview(state, path) or (path is not None and has_checkpoint):
         return ""
     return "It has neither a preview nor a checkpoint."
 
 
-def look(state: AppState, path: Path | None) -> None:
-    """At a run that was cut short: the model as it was last seen, else as its last checkpoint has it."""
+def view_model(state: AppState, path: Path | None) -> None:
+    """Show the model of an interrupted run: as it was last seen, else as its last checkpoint has it."""
     if has_preview(state, path):
         _show_preview(state)
     elif path is not None and state.runs.reconstruction.is_alive:
@@ -160,15 +160,15 @@ def look(state: AppState, path: Path | None) -> None:
         actions.open_path(state, path)
 
 
-def look_at_present(state: AppState) -> None:
-    """At the one that this window made last."""
+def view_interrupted(state: AppState) -> None:
+    """The same of the run that this window made last."""
     run = state.runs.reconstruction
-    if not why_not_look(state, run.run_path, has_checkpoint=run.has_checkpoint):
-        look(state, run.run_path)
+    if not why_not_view(state, run.run_path, has_checkpoint=run.has_checkpoint):
+        view_model(state, run.run_path)
 
 
 def _show_preview(state: AppState) -> None:
-    """At the model as it was last seen before its run was cut short."""
+    """Show the model as it was last seen before its run was interrupted."""
     preview = state.runs.preview
     if preview is None:
         return

@@ -50,7 +50,9 @@ def snapshot(state: AppState, folder: Path) -> Session:
         frame=state.timeline.frame_index,
         frozen=state.timeline.frozen_index,
         params=state.enhancement.params,
-        past=tuple(look for look, _ in groupby(step.params for step in state.enhancement.past))[-MOST_STEPS:],
+        past=tuple(params for params, _ in groupby(step.params for step in state.enhancement.past))[
+            -MOST_STEPS:
+        ],
         scope=state.enhancement.scope,
         pixels=state.enhancement.pixels,
         enhancing=state.enhancement.active,

@@ -55,7 +55,7 @@ def start_grid(state: AppState) -> None:
         # A grid keeps what it began with: its maker measures the clip.
         picture = replace(picture, of_clip=None)
     tuning.grid = Grid(picture.with_params(state.enhancement.params), wanted, columns)
-    tuning.cells, tuning.running, tuning.chosen, tuning.look = {}, True, None, None
+    tuning.cells, tuning.running, tuning.chosen, tuning.whole = {}, True, None, None
 
 
 def _wanted(state: AppState) -> tuple[list[Axis], tuple[Setting, ...]]:
@@ -174,7 +174,7 @@ def take_cell(state: AppState, request: CellRequest, answer: GridCell | Failure)
         tuning.running, tuning.chosen = False, None
         actions.fail(state, f"the grid was stopped: {answer.message}")
     elif request.whole:
-        tuning.look = answer
+        tuning.whole = answer
     else:
         tuning.cells[request.setting] = answer
         tuning.running = tuning.running and len(tuning.cells) < len(request.grid.settings)

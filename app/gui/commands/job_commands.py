@@ -26,8 +26,8 @@ def job_sections() -> tuple[Section, ...]:
     ended = (
         Command("Continue the interrupted run", job_actions.continue_reconstruction,
                 text="from its last checkpoint", applies=job_actions.can_continue),
-        Command("View the interrupted run", run_actions.look_at_present,
-                text="show the model as last seen", applies=_can_look),
+        Command("View the interrupted run", run_actions.view_interrupted,
+                text="show the model as last seen", applies=_can_view),
         Command("Rename the run…", changing_runs.ask_name, text="give the run that is shown another name",
                 applies=changing_runs.can_change_shown, synonyms=("name", "folder")),
         Command("Delete the run…", changing_runs.ask_delete,
@@ -46,7 +46,7 @@ def job_sections() -> tuple[Section, ...]:
     return menu("Reconstruct", making, ended, waiting)
 
 
-def _can_look(state: AppState) -> bool:
+def _can_view(state: AppState) -> bool:
     run = state.runs.reconstruction
     ended = run.status in ("failed", "cancelled")
-    return ended and not run_actions.why_not_look(state, run.run_path, has_checkpoint=run.has_checkpoint)
+    return ended and not run_actions.why_not_view(state, run.run_path, has_checkpoint=run.has_checkpoint)

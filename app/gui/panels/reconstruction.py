@@ -37,7 +37,7 @@ from renderer.train.events import Evaluated, Omission, Progress
 
 CONTINUES = "From the last checkpoint."
 STARTS_OVER = "No checkpoint: starts over."
-LOOK_TEXT = "The model as last shown, or at the last checkpoint, before the interruption."
+VIEW_MODEL_TEXT = "The model as last shown, or at the last checkpoint, before the interruption."
 AGAIN_TEXT = "Another window or process trains it: shows how far it is now."
 LENS_TEXT = (
     "Training has found the lens. The clip is still shown as recorded, the model is of undistorted frames."
@@ -133,10 +133,10 @@ def _draw_end(state: AppState, run: Reconstruction) -> None:
     if run.saved_nothing:
         return
     kept = CONTINUES if run.has_checkpoint else STARTS_OVER
-    reason = run_actions.why_not_look(state, run.run_path, has_checkpoint=run.has_checkpoint)
+    reason = run_actions.why_not_view(state, run.run_path, has_checkpoint=run.has_checkpoint)
     ways = (
         ("Continue", job_actions.continue_reconstruction, kept, ""),
-        ("View model", run_actions.look_at_present, LOOK_TEXT, reason),
+        ("View model", run_actions.view_interrupted, VIEW_MODEL_TEXT, reason),
     )
     for (label, act, text, why), width in in_line(ways):
         button(label, partial(act, state), text, reason=why, width=width)

@@ -11,7 +11,7 @@ from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.files.legible import as_label, legible, named, to_minute
 from app.gui.actions import changing_runs, laid_out, queue_actions, run_actions
-from app.gui.panels.reconstruction import CONTINUES, LOOK_TEXT, STARTS_OVER
+from app.gui.panels.reconstruction import CONTINUES, STARTS_OVER, VIEW_MODEL_TEXT
 from app.gui.panels.run_measures import draw_run_measures
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
@@ -151,8 +151,8 @@ def _draw_unfinished(state: AppState, run: ListedRun) -> None:
     beside("Continue")
     button("Continue", partial(run_actions.continue_run, state, run), kept, reason=reason)
     beside("View model")
-    reason = run_actions.why_not_look(state, run.path, has_checkpoint=run.has_checkpoint)
-    button("View model", partial(run_actions.look, state, run.path), LOOK_TEXT, reason=reason)
+    reason = run_actions.why_not_view(state, run.path, has_checkpoint=run.has_checkpoint)
+    button("View model", partial(run_actions.view_model, state, run.path), VIEW_MODEL_TEXT, reason=reason)
 
 
 def _made(state: AppState, run: ListedRun) -> str:

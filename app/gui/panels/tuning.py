@@ -319,22 +319,22 @@ def _draw_one(state: AppState, textures: ShowsPictures, setting: Setting) -> Non
     imgui.align_text_to_frame_padding()
     note(words, theme.now().text)
     explain(f"{in_the_paper(setting)} Arrows: to its neighbours.".lstrip())
-    if state.tuning.look is not None and state.tuning.look.request.grid is state.tuning.grid:
-        _draw_pair(state, textures, state.tuning.look)
+    if state.tuning.whole is not None and state.tuning.whole.request.grid is state.tuning.grid:
+        _draw_pair(state, textures, state.tuning.whole)
 
 
-def _draw_pair(state: AppState, textures: ShowsPictures, look: GridCell) -> None:
+def _draw_pair(state: AppState, textures: ShowsPictures, cell: GridCell) -> None:
     """The original and the cell, with one zoom and pan; the one before until the cell is there."""
     space, gap = imgui.get_content_region_avail(), em(0.3)
     size = ImVec2(max((space.x - gap) / 2, em(4)), max(space.y, em(4)))
-    tags = [Tag("ENHANCED · TRIED", "enhanced"), Tag(said(look.request.setting))]
+    tags = [Tag("ENHANCED · TRIED", "enhanced"), Tag(said(cell.request.setting))]
     if not state.tuning.is_looked_at:
         tags.insert(0, Tag("UPDATING…", "caution"))
     frame, is_shown = _of_frame(state)
     of_original = [original_tag(state), Tag(frame, "plain" if is_shown else "caution")]
-    _draw_half(state, textures, "original", look.original, of_original, Area.here(size))
+    _draw_half(state, textures, "original", cell.original, of_original, Area.here(size))
     imgui.same_line(0, gap)
-    _draw_half(state, textures, "tried", look.image, tags, Area.here(size))
+    _draw_half(state, textures, "tried", cell.image, tags, Area.here(size))
 
 
 def _draw_half(

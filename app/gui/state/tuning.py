@@ -24,9 +24,9 @@ class Tuning:
     running: bool = False
     cells: dict[Setting, GridCell] = field(default_factory=dict)
     chosen: Setting | None = None
-    """Looked at as it is."""
-    look: GridCell | None = None
-    """The newest cell that was made as it is."""
+    """The cell that fills the panel, at full size."""
+    whole: GridCell | None = None
+    """The newest cell that was made at full size."""
     view: PictureView = field(default_factory=PictureView)
     """Of that cell and the original beside it."""
     size: float = 1.0
@@ -54,9 +54,9 @@ class Tuning:
 
     @property
     def is_looked_at(self) -> bool:
-        """The cell that was chosen is there as it is."""
+        """The chosen cell is there at full size."""
         wanted = (self.grid, self.chosen)
-        return self.look is not None and (self.look.request.grid, self.look.request.setting) == wanted
+        return self.whole is not None and (self.whole.request.grid, self.whole.request.setting) == wanted
 
     @property
     def flows(self) -> bool:

@@ -265,7 +265,7 @@ def test_a_failure_says_what_can_be_done(
     assert job_actions.can_continue(state) == (left != "nothing")
     assert run_actions.has_preview(state, run.run_path)
     state.scene.model = None
-    run_actions.look(state, run.run_path)
+    run_actions.view_model(state, run.run_path)
     assert state.scene.model is not None
     assert state.scene.model.model is model
 
@@ -399,8 +399,8 @@ def test_the_last_checkpoint_shows_the_model_as_training_left_it(
 def test_a_run_that_was_killed_is_looked_at_and_not_edited(opened: AppState) -> None:
     short = named(opened, "short")
     opened.runs.preview = None  # Another window made it.
-    assert not run_actions.why_not_look(opened, short.path, has_checkpoint=short.has_checkpoint)
-    run_actions.look(opened, short.path)
+    assert not run_actions.why_not_view(opened, short.path, has_checkpoint=short.has_checkpoint)
+    run_actions.view_model(opened, short.path)
     channels = Channels()
     for step in range(3):
         update(opened, channels, 0.1 * step)

@@ -62,10 +62,10 @@ def test_every_cell_is_the_window_s_own_picture(state: AppState, channels: Chann
     turn(state, channels)
     tuning_actions.use_setting(state, setting)
     request = state.picture_request
-    assert state.tuning.look is not None
+    assert state.tuning.whole is not None
     assert request is not None
     shown = list(PictureMaker().make(request))[-1]
-    np.testing.assert_array_equal(state.tuning.look.image, shown.enhanced)
+    np.testing.assert_array_equal(state.tuning.whole.image, shown.enhanced)
 
 
 def test_use_is_one_step_of_undo(state: AppState, channels: Channels) -> None:
@@ -201,8 +201,8 @@ def test_the_original_is_the_first_tile_and_stands_beside_a_cell(
     turn(state, channels)
     ui.frame(lambda: draw_tuning(state, shown))
     np.testing.assert_array_equal(shown.images["tuning original"], original)
-    assert state.tuning.look is not None
-    assert shown.images["tuning tried"] is state.tuning.look.image
+    assert state.tuning.whole is not None
+    assert shown.images["tuning tried"] is state.tuning.whole.image
 
 
 def test_arrows_lead_to_neighbours_and_escape_back(ui: Ui, state: AppState, channels: Channels) -> None:
