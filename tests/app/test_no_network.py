@@ -64,9 +64,9 @@ from app.gui.actions import actions, export_actions, session_actions
 from app.gui.work.settings import Settings
 from assets import phantom_path
 from tests.app.gui.kept_session import places_in
-from tests.app.gui.test_window import Driver, is_settled, wait
+from tests.app.gui.driver import Driver, is_settled, wait
 
-driver = Driver(places_in(Path.cwd()), Settings(), [])
+driver = Driver(places_in(Path.cwd()), Settings())
 
 
 def drive(ctx):

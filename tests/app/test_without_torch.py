@@ -67,9 +67,9 @@ from pathlib import Path
 from app.gui.actions import actions
 from app.gui.work.settings import Settings
 from tests.app.gui.kept_session import places_in
-from tests.app.gui.test_window import Driver, is_settled, wait
+from tests.app.gui.driver import Driver, is_settled, wait
 
-driver = Driver(places_in(Path.cwd()), Settings(), [])
+driver = Driver(places_in(Path.cwd()), Settings())
 state = driver.state
 
 

@@ -9,10 +9,10 @@ from imgui_bundle import imgui
 
 from app.gui.actions import actions
 from app.gui.session_file import autosave_path, mended_session
-from app.gui.work.settings import Places, Settings
+from app.gui.work.settings import Places
 from assets import phantom_path
 from enhance import EnhanceParams
-from tests.app.gui.test_window import Driver, is_settled, wait
+from tests.app.gui.driver import Driver, is_settled, wait
 
 
 def places_in(root: Path) -> Places:
@@ -20,7 +20,7 @@ def places_in(root: Path) -> Places:
 
 
 def main(root: Path) -> None:
-    driver = Driver(places_in(root), Settings(acknowledged=True), [])
+    driver = Driver(places_in(root))
     state = driver.state
     actions.open_path(state, phantom_path())
 

@@ -20,7 +20,7 @@ from app.gui.update.update import update
 from app.gui.work.about import About, licence_of, read_about
 from app.gui.work.revealing import RevealRequest
 from app.gui.work.settings import Places, Settings
-from tests.app.gui.test_window import Driver, wait
+from tests.app.gui.driver import Driver, wait
 from tests.app.gui.ui import Ui
 
 
@@ -101,7 +101,7 @@ def test_facts_are_read_once_and_only_when_asked_for(state: AppState) -> None:
 @pytest.mark.display
 def test_about_in_the_window(places: Places, monkeypatch: pytest.MonkeyPatch) -> None:
     opened: list[Path] = []
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:

@@ -14,9 +14,9 @@ from app.gui.actions import actions, session_actions
 from app.gui.frame import dockings
 from app.gui.style import theme
 from app.gui.work import kept_layout
-from app.gui.work.settings import Places, Settings
+from app.gui.work.settings import Places
 from assets import phantom_path
-from tests.app.gui.test_window import Driver, is_settled, wait
+from tests.app.gui.driver import Driver, is_settled, wait
 
 
 def shown() -> set[str]:
@@ -32,7 +32,7 @@ def in_front(ctx: imgui.test_engine.TestContext) -> set[str]:
 
 @pytest.mark.display
 def test_tab_leaves_the_pictures_alone_and_brings_all_panels_back(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state, key = driver.state, imgui.Key
     actions.open_path(state, phantom_path())
 
@@ -73,7 +73,7 @@ def test_tab_leaves_the_pictures_alone_and_brings_all_panels_back(places: Places
 
 @pytest.mark.display
 def test_tuning_comes_back_behind_the_images_where_it_was(places: Places, tmp_path: Path) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state, key, session = driver.state, imgui.Key, tmp_path / "monday.vesselsplat"
     actions.open_path(state, phantom_path())
 
@@ -109,7 +109,7 @@ def test_tuning_comes_back_behind_the_images_where_it_was(places: Places, tmp_pa
 
 @pytest.mark.display
 def test_f11_fills_the_screen_and_goes_back_to_its_place(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         window = glfw_utils.glfw_window_hello_imgui()
@@ -132,7 +132,7 @@ def test_f11_fills_the_screen_and_goes_back_to_its_place(places: Places) -> None
 
 @pytest.mark.display
 def test_a_window_that_ends_so_is_kept_with_its_panels_and_in_its_place(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     size: list[tuple[int, int]] = []
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:

@@ -34,8 +34,8 @@ from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_clip
 from tests.app.conftest import tissue
 from tests.app.enhancement.test_batch import files, write_avi
+from tests.app.gui.driver import Driver, is_settled, wait
 from tests.app.gui.settling import served
-from tests.app.gui.test_window import Driver, is_settled, wait
 from tests.app.gui.ui import Ui
 
 
@@ -353,7 +353,7 @@ def test_closing_the_window_leaves_nothing_half_written(places: Places, case: Pa
 @pytest.mark.display
 def test_from_the_key_to_the_files(places: Places, case: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("app.gui.frame.dialogs.has_desktop_dialogs", lambda: False)
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     actions.open_path(state, phantom_path())
 

@@ -7,10 +7,10 @@ from imgui_bundle import imgui
 
 from app.gui.actions import actions, enhancement_actions
 from app.gui.commands.keys import chord
-from app.gui.work.settings import Places, Settings
+from app.gui.work.settings import Places
 from assets import phantom_path
 from enhance import EnhanceParams
-from tests.app.gui.test_window import Driver, is_settled, wait
+from tests.app.gui.driver import Driver, is_settled, wait
 
 Context = imgui.test_engine.TestContext
 K = imgui.Key
@@ -41,7 +41,7 @@ def visited(ctx: Context) -> set[int]:
 
 @pytest.mark.display
 def test_every_panel_and_control_is_reached(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     enhancement_actions.set_params(state, EnhanceParams())
     actions.open_path(state, phantom_path())
@@ -77,7 +77,7 @@ def test_every_panel_and_control_is_reached(places: Places) -> None:
 
 @pytest.mark.display
 def test_a_slider_a_list_a_menu_and_the_timeline_by_keys_alone(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     enhancement_actions.set_params(state, EnhanceParams())
     actions.open_path(state, phantom_path())

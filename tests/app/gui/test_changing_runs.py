@@ -20,16 +20,16 @@ from app.gui.update.jobs import start_due
 from app.gui.update.update import update
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.runs import FoundRuns, ListedRun, RunFinder
-from app.gui.work.settings import Places, Settings
+from app.gui.work.settings import Places
 from app.runs.run_changes import Footprint
 from app.runs.run_folder import RunFolder
 from app.runs.run_lock import locked
 from renderer.gaussians import DynamicGaussians
 from renderer.sources import open_clip
 from tests.app.gui.conftest import FakeJob
+from tests.app.gui.driver import Driver, is_settled, wait
 from tests.app.gui.scenes import scene_of
 from tests.app.gui.settling import show_live
-from tests.app.gui.test_window import Driver, is_settled, wait
 
 
 @pytest.fixture
@@ -201,7 +201,7 @@ def test_the_run_that_is_shown_is_renamed_and_deleted_by_mouse_and_keyboard(
 ) -> None:
     shutil.copytree(runs["original"], places.runs / "first")
     jobs: list[FakeJob] = []
-    driver = Driver(places, Settings(acknowledged=True), jobs)
+    driver = Driver(places, jobs=jobs)
     state = driver.state
     actions.open_path(state, places.runs / "first")
 

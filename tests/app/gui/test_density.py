@@ -12,9 +12,9 @@ from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.work.settings import Places
 from assets import phantom_path
+from tests.app.gui.driver import is_settled, wait
 from tests.app.gui.test_bare import in_front
 from tests.app.gui.test_layouts import kept
-from tests.app.gui.test_window import is_settled, wait
 
 
 @pytest.fixture

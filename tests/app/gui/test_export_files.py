@@ -26,15 +26,15 @@ from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
 from app.gui.work.batching import BatchRequest
 from app.gui.work.naming import NameRequest
-from app.gui.work.settings import Places, Settings
+from app.gui.work.settings import Places
 from app.runs.train_run import TrainRequest
 from assets import phantom_path
 from enhance.vessel import VesselParams
 from renderer.train.config import TrainConfig
 from tests.app.gui.conftest import outside
+from tests.app.gui.driver import Driver, is_settled, wait
 from tests.app.gui.exporting import Exporter, exported, same
 from tests.app.gui.test_session import opened_state
-from tests.app.gui.test_window import Driver, is_settled, wait
 from tests.app.gui.ui import Ui
 
 # ---- names and folders
@@ -289,7 +289,7 @@ def test_the_encoder_is_asked_for_once_the_panel_is_shown(run: Exporter) -> None
 
 @pytest.mark.display
 def test_by_hand_from_the_palette_to_the_file(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     actions.open_path(state, phantom_path())
 
@@ -317,7 +317,7 @@ def test_by_hand_from_the_palette_to_the_file(places: Places) -> None:
 
 @pytest.mark.display
 def test_by_hand_splats_in_another_format(places: Places, runs: dict[str, Path]) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     actions.open_path(state, runs["original"])
 

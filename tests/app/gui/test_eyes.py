@@ -10,11 +10,11 @@ from imgui_bundle import imgui
 
 from app.gui.actions import actions, clip_actions, depth_actions
 from app.gui.state.source import Source
-from app.gui.work.settings import Places, Settings, load_clips
+from app.gui.work.settings import Places, load_clips
 from renderer.readers.clip_options import ClipOptions
+from tests.app.gui.driver import Driver, is_settled, wait
 from tests.app.gui.settling import keep_all
 from tests.app.gui.test_reconstruction_choices import opened, to_choices, turn
-from tests.app.gui.test_window import Driver, is_settled, wait
 from tests.renderer.eyes import look
 from tests.renderer.readers.numbered import encoded
 
@@ -63,7 +63,7 @@ def test_a_video_that_cannot_be_split_stays_open_and_can_be_opened_again(
 
 @pytest.mark.display
 def test_it_is_chosen_by_hand(places: Places, video: Path) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     actions.open_path(state, video)
 

@@ -16,10 +16,10 @@ from app.gui.commands.keys import Keyboard
 from app.gui.panels import guide
 from app.gui.state.app_state import AppState
 from app.gui.window import Window
-from app.gui.work.settings import Places, Settings
+from app.gui.work.settings import Places
 from app.gui.work.shipped import Block, Guide, Page, parsed, read_guide
 from tests.app.gui.conftest import outside
-from tests.app.gui.test_window import Driver, wait
+from tests.app.gui.driver import Driver, wait
 from tests.app.gui.ui import Draw, Shown, Ui
 from tests.test_words import old_phrases
 
@@ -166,7 +166,7 @@ def test_where_it_is_not_shipped_one_line_says_so(tmp_path: Path) -> None:
 
 @pytest.mark.display
 def test_the_guide_is_read_in_the_window_by_mouse_and_keyboard(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state, key = driver.state, imgui.Key
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:

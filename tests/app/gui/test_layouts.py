@@ -21,8 +21,8 @@ from app.gui.work.settings import Places, Settings
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import make_clip, start_live
+from tests.app.gui.driver import Driver, is_settled, wait
 from tests.app.gui.test_bare import in_front, shown
-from tests.app.gui.test_window import Driver, is_settled, wait
 
 
 def test_the_kind_is_of_what_was_opened(places: Places, model: DynamicGaussians) -> None:
@@ -48,7 +48,7 @@ def kept(
     text_percent: int = 100,
 ) -> None:
     """A window that keeps its layout, unlike the others of the tests."""
-    driver = Driver(places, Settings(acknowledged=True, text_percent=text_percent), [])
+    driver = Driver(places, Settings(acknowledged=True, text_percent=text_percent))
 
     def and_quit(ctx: imgui.test_engine.TestContext) -> None:
         drive(ctx, driver.state)
@@ -143,7 +143,7 @@ def test_larger_text_arranges_also_what_only_a_later_session_opens(places: Place
 
 @pytest.mark.display
 def test_titles_of_panels_are_whole_in_large_text_and_come_into_sight(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True, text_percent=200), [])
+    driver = Driver(places, Settings(acknowledged=True, text_percent=200))
     actions.open_path(driver.state, phantom_path())
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
@@ -166,7 +166,7 @@ def test_titles_of_panels_are_whole_in_large_text_and_come_into_sight(places: Pl
 
 @pytest.mark.display
 def test_another_layout_waits_until_all_panels_are_there(places: Places, still: Path) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     actions.open_path(state, phantom_path())
 
@@ -197,7 +197,7 @@ def test_another_layout_waits_until_all_panels_are_there(places: Places, still: 
 def test_what_is_below_keeps_its_share_when_the_window_grows_before_and_while_it_is_shown(
     places: Places, model: DynamicGaussians
 ) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     actions.open_path(state, phantom_path())
 
@@ -236,7 +236,7 @@ def test_what_is_below_keeps_its_share_when_the_window_grows_before_and_while_it
 def test_in_an_upright_window_panels_are_below_the_images(
     places: Places, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     actions.open_path(state, phantom_path())
 
@@ -282,7 +282,7 @@ def test_in_an_upright_window_panels_are_below_the_images(
 @pytest.mark.display
 def test_ctrl_r_shows_where_depth_is_chosen(places: Places, still: Path) -> None:
     """Of stills the panel is behind the enhancement."""
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     actions.open_path(driver.state, still)
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:

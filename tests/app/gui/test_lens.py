@@ -17,13 +17,13 @@ from app.gui.state import panes
 from app.gui.state.app_state import AppState
 from app.gui.state.source import Source
 from app.gui.work.opening import OpenRequest, open_path
-from app.gui.work.settings import Places, Settings, load_clips
+from app.gui.work.settings import Places, load_clips
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.lenses.calibration import Calibration, FoundLens
+from tests.app.gui.driver import Driver, is_settled, wait
 from tests.app.gui.settling import keep_all
 from tests.app.gui.test_reconstruction_choices import opened, to_choices, turn
 from tests.app.gui.test_runs import named
-from tests.app.gui.test_window import Driver, is_settled, wait
 from tests.app.gui.ui import Ui
 from tests.renderer.raw_eyes import EYES, raw_pairs, write_calibration
 from tests.renderer.readers.numbered import encoded
@@ -151,7 +151,7 @@ def test_it_is_chosen_and_removed_by_hand(
     (tmp_path / "clip").mkdir()
     for at in range(3):
         Image.fromarray(pair[0]).save(tmp_path / "clip" / f"{at}.png")
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     actions.open_path(state, tmp_path / "clip")
 

@@ -15,14 +15,14 @@ from app.gui.commands.keys import chord
 from app.gui.state.app_state import AppState
 from app.gui.state.live_words import counts, is_not_live, live_tags
 from app.gui.state.panes import why_not
-from app.gui.work.settings import Places, Settings
+from app.gui.work.settings import Places
 from app.live.address import LiveInput, address_of
 from app.live.picture import LIVE
 from app.live.sources.source import Wish
 from app.live.start import LiveStart
 from assets import phantom_path
 from renderer.sources import open_clip
-from tests.app.gui.test_window import Driver, enhanced, is_settled, wait
+from tests.app.gui.driver import Driver, enhanced, is_settled, wait
 from tests.app.live.test_igtl import client_of, free, listens
 
 Context = imgui.test_engine.TestContext
@@ -40,7 +40,7 @@ def made(state: AppState) -> int:
 @pytest.mark.display
 def test_from_the_dialog_to_a_recording_that_opens(places: Places) -> None:
     """Address typed, live with its delay, a slider moved, frozen, thawed, saved, recorded, closed."""
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
 
     def drive(ctx: Context) -> None:
@@ -104,7 +104,7 @@ def _recorded(state: AppState) -> int:
 
 @pytest.mark.display
 def test_a_source_that_ends_never_looks_live(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     live_actions.go_live(state, PHANTOM, Wish(frames_per_second=40.0, loop=False))
 
@@ -124,7 +124,7 @@ def test_a_source_that_ends_never_looks_live(places: Places) -> None:
 
 @pytest.mark.display
 def test_others_fetch_what_is_live_while_the_switch_is_on(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state, taken = driver.state, free()
     live_actions.begin(state, LiveStart(PHANTOM, taken))
 
@@ -152,7 +152,7 @@ def test_others_fetch_what_is_live_while_the_switch_is_on(places: Places) -> Non
 
 @pytest.mark.display
 def test_what_cannot_be_reached_says_so_and_can_be_given_up(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     live_actions.go_live(state, LiveInput(address_of("77")), Wish())
 

@@ -22,7 +22,7 @@ from app.live.session import LiveSession
 from app.live.sources.both_eyes import BothEyesSource
 from app.live.sources.source import Source, Wish
 from renderer.sources import open_bare
-from tests.app.gui.test_window import Driver, wait
+from tests.app.gui.driver import Driver, wait
 from tests.app.live.painted import PaintedSource, painted
 
 Context = imgui.test_engine.TestContext
@@ -63,7 +63,7 @@ def test_two_sources_are_chosen_in_the_dialog_and_recorded_with_both_eyes(
     places: Places, tmp_path: Path
 ) -> None:
     left, right = film(tmp_path / "left.avi", 200), film(tmp_path / "right.avi", 90)
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
 
     def drive(ctx: Context) -> None:

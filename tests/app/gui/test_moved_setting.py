@@ -13,10 +13,10 @@ from app.gui.panels.compare import draw_compare
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.state.app_state import AppState
 from app.gui.update import update
-from app.gui.work.settings import Places, Settings
+from app.gui.work.settings import Places
 from assets import phantom_path
 from enhance import EnhanceParams
-from tests.app.gui.test_window import Driver, is_settled, wait
+from tests.app.gui.driver import Driver, is_settled, wait
 
 MOVED = [EnhanceParams(z=z) for z in (0.3, 0.4, 0.5)]
 
@@ -44,7 +44,7 @@ def test_the_picture_of_a_moved_setting_is_in_the_same_frame(
     monkeypatch.setattr(window, "draw_enhancement", move)
     monkeypatch.setattr(window, "draw_compare", look)
     monkeypatch.setattr(update, "PROMPT", 5.0)  # A slow machine is not what is tried.
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         actions.open_path(driver.state, phantom_path())

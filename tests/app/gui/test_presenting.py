@@ -25,10 +25,10 @@ from enhance import EnhanceParams
 from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import start_live
+from tests.app.gui.driver import Driver, enhanced, is_settled, wait
 from tests.app.gui.test_bare import in_front, shown
 from tests.app.gui.test_keys import keyboard
 from tests.app.gui.test_masking import begun, stroke
-from tests.app.gui.test_window import Driver, enhanced, is_settled, wait
 from tests.app.gui.ui import Draw, Shown, StillViewport, Ui, compare, pictures
 
 
@@ -243,7 +243,7 @@ def test_it_ends_with_what_it_shows(opened: AppState, model: DynamicGaussians) -
 @pytest.mark.display
 def test_the_image_is_on_the_screen_pixel_for_pixel(places: Places) -> None:
     """It is drawn behind the panels; what is beside it is dark, in the light theme as well."""
-    driver = Driver(places, Settings(acknowledged=True, theme="light"), [])
+    driver = Driver(places, Settings(acknowledged=True, theme="light"))
     state, screens = driver.state, list[ByteImage]()
     actions.open_path(state, phantom_path())
 
@@ -275,7 +275,7 @@ def test_the_image_is_on_the_screen_pixel_for_pixel(places: Places) -> None:
 
 @pytest.mark.display
 def test_the_whole_window_is_the_pane_and_then_as_before(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state, key = driver.state, imgui.Key
     actions.open_path(state, phantom_path())
 
@@ -328,7 +328,7 @@ def test_the_whole_window_is_the_pane_and_then_as_before(places: Places) -> None
 
 @pytest.mark.display
 def test_no_frame_is_dark_when_it_ends(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state, screens = driver.state, list[ByteImage]()
     actions.open_path(state, phantom_path())
 
@@ -349,7 +349,7 @@ def test_no_frame_is_dark_when_it_ends(places: Places) -> None:
 
 @pytest.mark.display
 def test_it_ends_in_a_window_without_panels_too(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     actions.open_path(state, phantom_path())
 

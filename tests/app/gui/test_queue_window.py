@@ -14,7 +14,7 @@ from imgui_bundle import glfw_utils, imgui
 
 from app.gui.actions import actions, job_actions
 from app.gui.commands.keys import chord
-from app.gui.work.settings import Places, Settings
+from app.gui.work.settings import Places
 from app.runs.job import Cancelled, Failed, Paused
 from app.runs.queue_file import keep_queue, queue_file
 from app.runs.run_folder import RunFolder
@@ -24,7 +24,7 @@ from renderer.gaussians import DynamicGaussians
 from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished, Progress, Started
 from tests.app.gui.conftest import FakeJob
-from tests.app.gui.test_window import Driver, is_settled, wait
+from tests.app.gui.driver import Driver, is_settled, wait
 
 
 @pytest.mark.display
@@ -32,7 +32,7 @@ def test_two_reconstructions_are_queued_watched_and_asked_about(
     places: Places, model: DynamicGaussians
 ) -> None:
     jobs: list[FakeJob] = []
-    driver = Driver(places, Settings(acknowledged=True), jobs)
+    driver = Driver(places, jobs=jobs)
     state = driver.state
     actions.open_path(state, phantom_path())
 
@@ -88,7 +88,7 @@ def test_two_reconstructions_are_queued_watched_and_asked_about(
 def test_a_signal_that_ends_the_training_too_starts_none_of_those_that_wait(places: Places) -> None:
     """As a service manager sends it to all processes of the window."""
     jobs: list[FakeJob] = []
-    driver = Driver(places, Settings(acknowledged=True), jobs)
+    driver = Driver(places, jobs=jobs)
     state = driver.state
     actions.open_path(state, phantom_path())
 
@@ -117,7 +117,7 @@ def test_what_was_cut_short_before_is_found_and_goes_on(places: Places, clip_pat
         next(steps)
     steps.close()
     jobs: list[FakeJob] = []
-    driver = Driver(places, Settings(acknowledged=True), jobs)
+    driver = Driver(places, jobs=jobs)
     state = driver.state
     actions.open_path(state, clip_path)
 
@@ -150,7 +150,7 @@ def test_what_waited_when_the_last_window_died_is_shown_and_starts_at_a_click(pl
     ]
     keep_queue(places.config / f"queue-{dead.pid}.json", waited)
     jobs: list[FakeJob] = []
-    driver = Driver(places, Settings(acknowledged=True), jobs)
+    driver = Driver(places, jobs=jobs)
     state = driver.state
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
@@ -181,7 +181,7 @@ def test_what_waited_when_the_last_window_died_is_shown_and_starts_at_a_click(pl
 @pytest.mark.display
 def test_a_trim_is_said_before_it_is_trained_on_and_undone_by_its_name(places: Places) -> None:
     jobs: list[FakeJob] = []
-    driver = Driver(places, Settings(acknowledged=True), jobs)
+    driver = Driver(places, jobs=jobs)
     state = driver.state
     actions.open_path(state, phantom_path())
 

@@ -37,8 +37,8 @@ from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_bare, open_clip
 from renderer.train.config import TrainConfig
 from tests.app.gui.conftest import FakeJob
+from tests.app.gui.driver import Driver, is_settled, wait
 from tests.app.gui.settling import keep_all, served
-from tests.app.gui.test_window import Driver, is_settled, wait
 from tests.renderer.eyes import write_eyes
 
 
@@ -260,7 +260,7 @@ def test_frames_follow_the_image_unless_unlinked(state: AppState) -> None:
 @pytest.mark.display
 def test_depth_and_frames_are_chosen_by_hand(places: Places, tmp_path: Path) -> None:
     jobs: list[FakeJob] = []
-    driver = Driver(places, Settings(acknowledged=True), jobs)
+    driver = Driver(places, jobs=jobs)
     state = driver.state
     actions.open_path(state, write_video(tmp_path / "video"))
 
@@ -305,7 +305,7 @@ def test_baseline_and_field_of_view_are_typed_and_give_a_stereo_pair_a_scale(
     write_eyes(
         tmp_path / "pair", "left/{:06d}.png", "right/{:06d}.png", 2, width=192, height=144, seed=41, tools=0
     )
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     actions.open_path(state, tmp_path / "pair")
 

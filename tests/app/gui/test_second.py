@@ -14,16 +14,16 @@ from app.gui.commands import recent_commands
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.wishes import SLOW_VIEW, second_wish, view_wish
-from app.gui.work.settings import Places, Settings
+from app.gui.work.settings import Places
 from app.scenes.drawer import View
 from app.scenes.view_kinds import ViewKind
 from app.scenes.view_request import FrameImage, FrameRequest
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import SIZE
+from tests.app.gui.driver import Driver, is_settled, wait
 from tests.app.gui.settling import settle
 from tests.app.gui.test_opening import make_run
-from tests.app.gui.test_window import Driver, is_settled, wait
 
 
 def test_a_run_is_opened_and_drawn_beside_the_first(
@@ -95,7 +95,7 @@ def test_only_what_has_a_model_and_is_not_shown_is_offered(
 
 @pytest.mark.display
 def test_a_run_of_the_list_is_opened_beside_and_closed_again(places: Places, model: DynamicGaussians) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     runs = [make_run(places.runs / name, phantom_path(), model).path for name in ("first", "second")]
     make_run(places.runs / "third", phantom_path(), None)

@@ -17,10 +17,10 @@ from app.gui.frame import second_window
 from app.gui.state.tags import Tag
 from app.gui.views.picture_view import PictureView
 from app.gui.views.resample import visible
-from app.gui.work.settings import Places, Settings, load_settings
+from app.gui.work.settings import Places, load_settings
 from assets import phantom_path
 from renderer.clip import ByteImage
-from tests.app.gui.test_window import Driver, enhanced, is_settled, wait
+from tests.app.gui.driver import Driver, enhanced, is_settled, wait
 
 SIZE = second_window.SIZE
 
@@ -65,7 +65,7 @@ def seen(monkeypatch: pytest.MonkeyPatch) -> Seen:
 
 @pytest.fixture
 def driver(places: Places) -> Driver:
-    made = Driver(places, Settings(acknowledged=True), [])
+    made = Driver(places)
     actions.open_path(made.state, phantom_path())
     made.state.second_window.labels = False
     return made

@@ -59,10 +59,10 @@ from renderer.camera_path import CameraPath, Keyframe
 from renderer.editing.mask import Mask
 from renderer.gaussians import DynamicGaussians
 from renderer.view_files import Views
+from tests.app.gui.driver import Driver, is_settled, wait
 from tests.app.gui.kept_session import places_in
 from tests.app.gui.settling import served
 from tests.app.gui.test_opening import make_run
-from tests.app.gui.test_window import Driver, is_settled, wait
 from tests.app.gui.ui import Ui
 
 
@@ -385,7 +385,7 @@ def test_a_killed_window_is_restored_by_the_next(tmp_path: Path) -> None:
         killed.wait()
         killed.stdout.close()
     places = places_in(tmp_path)
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     recovering.offer_recovery(state)
     assert state.session.recoverable is not None

@@ -30,14 +30,14 @@ from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.work.runs import RunFinder, RunsRequest
-from app.gui.work.settings import Places, Settings
+from app.gui.work.settings import Places
 from assets import phantom_path
 from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import outside
+from tests.app.gui.driver import Driver, is_settled, wait
 from tests.app.gui.test_opening import make_run
 from tests.app.gui.test_session import opened_state, turn
-from tests.app.gui.test_window import Driver, is_settled, wait
 
 
 @pytest.fixture
@@ -185,7 +185,7 @@ def test_what_has_changed_since_is_marked_and_looking_around_is_no_change(
 @pytest.mark.display
 def test_from_the_key_to_the_file(places: Places, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("app.gui.frame.dialogs.has_desktop_dialogs", lambda: False)
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     actions.open_path(state, phantom_path())
 
@@ -220,7 +220,7 @@ def test_from_the_key_to_the_file(places: Places, monkeypatch: pytest.MonkeyPatc
 
 @pytest.mark.display
 def test_changes_of_a_saved_session_are_not_lost_without_a_question(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state, path = driver.state, places.pictures / "monday.vesselsplat"
     actions.open_path(state, phantom_path())
 
@@ -357,7 +357,7 @@ def test_a_run_whose_clip_was_moved_is_shown_with_it_where_a_person_says(
 
 @pytest.mark.display
 def test_a_case_in_no_file_keeps_the_window_open_until_it_is_answered(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     actions.open_path(state, phantom_path())
 

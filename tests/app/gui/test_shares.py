@@ -13,13 +13,13 @@ from app.gui.actions import actions, presenting
 from app.gui.frame import dockings
 from app.gui.state.app_state import AppState
 from app.gui.work import kept_layout
-from app.gui.work.settings import Places, Settings
+from app.gui.work.settings import Places
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import start_live
+from tests.app.gui.driver import Driver, is_settled, wait
 from tests.app.gui.test_layouts import kept
 from tests.app.gui.test_stills import write_image
-from tests.app.gui.test_window import Driver, is_settled, wait
 
 Context = imgui.test_engine.TestContext
 LARGE, SMALL = (2560, 1900), (1280, 720)
@@ -160,7 +160,7 @@ def test_the_images_keep_their_share_after_text_so_large_that_panels_were_arrang
 
 @pytest.mark.display
 def test_controls_keep_their_width_in_a_larger_window_and_leave_room_in_a_smaller_one(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
 
     def drive(ctx: Context) -> None:
         def width() -> float:

@@ -28,7 +28,7 @@ from app.gui.panels.export import draw_export
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane
 from app.gui.views.comparison import SIDES
-from app.gui.work.settings import Places, Settings
+from app.gui.work.settings import Places
 from app.runs.clip_selection import ClipPart
 from app.scenes.color_bar import LEAST_HEIGHT
 from assets import phantom_path
@@ -36,8 +36,8 @@ from enhance import EnhanceParams
 from enhance.metrics import dvbv_otsu
 from tests.app.conftest import Cli
 from tests.app.gui.conftest import SIZE
+from tests.app.gui.driver import Driver, is_settled, wait
 from tests.app.gui.exporting import Exporter, same
-from tests.app.gui.test_window import Driver, is_settled, wait
 from tests.app.gui.ui import Ui
 
 FOOT = 28
@@ -269,7 +269,7 @@ def test_the_panel_draws(ui: Ui, state: AppState) -> None:
 
 @pytest.mark.display
 def test_from_the_key_to_the_file(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     actions.open_path(state, phantom_path())
 

@@ -28,7 +28,7 @@ from app.gui.work import kept_layout
 from app.gui.work.settings import Places, Settings
 from assets import phantom_path
 from renderer.view_files import Views, views_json
-from tests.app.gui.test_window import Driver, is_settled, wait
+from tests.app.gui.driver import Driver, is_settled, wait
 
 
 def broken(*arguments: object) -> None:
@@ -229,7 +229,7 @@ def test_a_report_and_views_are_told_apart_by_what_they_hold(places: Places, tmp
 
 @pytest.mark.display
 def test_what_is_opened_comes_to_the_front(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         ctx.yield_(3)

@@ -26,14 +26,14 @@ from app.gui.panels.timeline import in_folder
 from app.gui.state.exports import What
 from app.gui.state.panes import pane
 from app.gui.work.neighbours import Neighbours
-from app.gui.work.settings import Places, Settings
+from app.gui.work.settings import Places
 from app.gui.work.strip import CROSS, DAMAGED, GROUND, HEIGHT, StripRequest, make_strip
 from enhance import EnhanceParams
 from renderer.clip import ClipError
 from renderer.sources import open_case, open_clip
 from tests.app.gui.conftest import outside
+from tests.app.gui.driver import Driver, is_settled, wait
 from tests.app.gui.test_reconstruction_choices import opened, turn
-from tests.app.gui.test_window import Driver, is_settled, wait
 
 SIZES = {"view.png": (80, 40), "1.png": (60, 40), "2.png": (40, 60), "10.jpg": (48, 48)}
 """In their order."""
@@ -199,7 +199,7 @@ def test_an_image_alone_in_its_folder_has_none_beside_it(places: Places, tmp_pat
 
 @pytest.mark.display
 def test_arrows_go_through_a_folder(places: Places, case: Path) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     actions.open_path(state, case / "1.png")
 

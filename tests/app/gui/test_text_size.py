@@ -15,12 +15,12 @@ from app.gui.frame import dockings
 from app.gui.frame.dockings import MOST
 from app.gui.panels.overlays import LONG_NOTICE
 from app.gui.work.settings import TEXT_PERCENTS, Places, Settings
-from tests.app.gui.test_window import Driver, wait
+from tests.app.gui.driver import Driver, wait
 
 
 @pytest.mark.display
 def test_the_side_grows_with_the_text_and_shrinks_back(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
@@ -42,7 +42,7 @@ def test_the_side_grows_with_the_text_and_shrinks_back(places: Places) -> None:
 
 @pytest.mark.display
 def test_a_pane_cannot_be_dragged_until_nothing_of_it_is_seen(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         ctx.yield_(4)
@@ -61,7 +61,7 @@ def test_a_pane_cannot_be_dragged_until_nothing_of_it_is_seen(places: Places) ->
 
 @pytest.mark.display
 def test_the_side_is_as_wide_as_before_where_it_had_no_room_to_grow(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
@@ -82,7 +82,7 @@ def test_the_side_is_as_wide_as_before_where_it_had_no_room_to_grow(places: Plac
 
 @pytest.mark.display
 def test_text_made_smaller_leaves_the_titles_of_tabs_at_the_side_whole(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True, text_percent=200), [])
+    driver = Driver(places, Settings(acknowledged=True, text_percent=200))
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         def width() -> float:
@@ -105,7 +105,7 @@ def test_text_made_smaller_leaves_the_titles_of_tabs_at_the_side_whole(places: P
 
 @pytest.mark.display
 def test_panels_share_a_place_where_lines_are_few(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         def share_a_place() -> bool:
@@ -130,7 +130,7 @@ def test_panels_share_a_place_where_lines_are_few(places: Places) -> None:
 def test_with_large_text_every_menu_and_the_whole_notice_are_within_a_narrow_window(
     places: Places, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    driver = Driver(places, Settings(acknowledged=True, text_percent=200), [])
+    driver = Driver(places, Settings(acknowledged=True, text_percent=200))
     state, ends = driver.state, dict[str, float]()
 
     def remembered(draw: Callable[..., None]) -> Callable[..., None]:

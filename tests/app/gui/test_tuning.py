@@ -20,14 +20,14 @@ from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.work.opening import Opened
-from app.gui.work.settings import Places, Settings
+from app.gui.work.settings import Places
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.clip import ByteImage, Clip
 from tests.app.gui.conftest import image_of, make_clip
+from tests.app.gui.driver import Driver, wait
 from tests.app.gui.settling import served
 from tests.app.gui.test_keys import keyboard
-from tests.app.gui.test_window import Driver, wait
 from tests.app.gui.ui import Shown, Ui
 
 
@@ -293,7 +293,7 @@ def test_the_panel_draws_in_every_state(ui: Ui, state: AppState, channels: Chann
 
 @pytest.mark.display
 def test_from_choosing_to_using_in_the_window(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
@@ -322,7 +322,7 @@ def test_from_choosing_to_using_in_the_window(places: Places) -> None:
 
 @pytest.mark.display
 def test_tiles_grow_and_shrink_in_the_window(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:

@@ -32,7 +32,7 @@ from app.gui.update.wishes import recents_wish
 from app.gui.work.recents import SIDE, Recent, RecentsRequest, find_recents
 from app.gui.work.settings import Places, Settings
 from assets import phantom_path
-from tests.app.gui.test_window import Driver, wait
+from tests.app.gui.driver import Driver, wait
 from tests.app.gui.ui import Draw, Shown, Ui
 from tests.renderer.readers.numbered import encoded
 
@@ -310,7 +310,7 @@ def test_the_first_page_leads_from_an_empty_window_to_the_built_in_clip(
 ) -> None:
     still = tmp_path / "still.png"
     shutil.copy(phantom_path() / "images" / "frame-000003.color.png", still)
-    driver = Driver(places, Settings(acknowledged=True, recent=(str(still), "/gone.mp4")), [])
+    driver = Driver(places, Settings(acknowledged=True, recent=(str(still), "/gone.mp4")))
     state = driver.state
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import moderngl
 import numpy as np
 import pytest
 from imgui_bundle import ImVec2, hello_imgui, imgui
-from imgui_bundle.immapp import testing
 
 from app.files.provenance import read_provenance
 from app.gui.actions import actions
@@ -20,7 +17,6 @@ from app.gui.commands.keys import chord
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import GraphicsViewport
 from app.gui.state.app_state import AppState
-from app.gui.window import Window
 from app.gui.work.presets import load_presets, presets_file
 from app.gui.work.settings import Places, Settings, load_clips, load_settings
 from assets import phantom_path
@@ -31,52 +27,12 @@ from renderer.splat_files.inria_ply import ply_bytes
 from renderer.train.events import Finished, Progress, Started
 from renderer.unobserved import GREY
 from tests.app.gui.conftest import FakeJob
-
-SECONDS = 30.0
-Drive = Callable[[imgui.test_engine.TestContext], None]
+from tests.app.gui.driver import Driver, enhanced, is_settled, wait
 
 
 def test_the_window_process_never_imports_torch() -> None:
     code = "import sys, app.gui.window; sys.exit('torch' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], timeout=60, check=False).returncode == 0
-
-
-class Driver:
-    """A window of small size and what a test does with it."""
-
-    def __init__(self, places: Places, settings: Settings, jobs: list[FakeJob]) -> None:
-        def make_job(request: object) -> FakeJob:
-            jobs.append(FakeJob(request))
-            return jobs[-1]
-
-        self.state = AppState(places, settings)
-        self.window = Window(self.state, make_job)
-
-    def run(self, drive: Drive) -> None:
-        params = self.window.runner_params()
-        params.ini_disable = True
-        testing.run(test_function=drive, runner_params=params, add_ons_params=self.window.add_ons())
-
-
-def wait(ctx: imgui.test_engine.TestContext, until: Callable[[], bool], what: str) -> None:
-    end = time.monotonic() + SECONDS
-    while not until():
-        assert time.monotonic() < end, f"waited {SECONDS} s for {what}"
-        ctx.yield_()
-        time.sleep(0.03)  # Frames cost the processor as much as what is waited for.
-
-
-def enhanced(state: AppState) -> np.ndarray:
-    assert state.picture.pictures is not None
-    assert state.picture.pictures.enhanced is not None
-    return state.picture.pictures.enhanced
-
-
-def is_settled(state: AppState) -> bool:
-    """Both pictures are there, by the statistics of the clip."""
-    done = state.picture.pictures is not None and state.picture.pictures.enhanced is not None
-    wanted = state.picture_request
-    return done and not state.pictures_are_stale and wanted is not None and wanted.of_clip != "later"
 
 
 @pytest.mark.display
@@ -130,7 +86,7 @@ def test_a_session_from_first_start_to_a_saved_picture(places: Places, model: Dy
 @pytest.mark.display
 def test_two_pictures_are_compared_in_every_way(places: Places) -> None:
     """Sources from the lists above panes, modes by key, the wipe's line by hand, pixels at the mouse."""
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state, key = driver.state, imgui.Key
     actions.open_path(state, phantom_path())
 
@@ -179,7 +135,7 @@ def test_two_pictures_are_compared_in_every_way(places: Places) -> None:
 
 @pytest.mark.display
 def test_a_preset_is_kept_by_name_and_windows_come_and_go(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state, key = driver.state, imgui.Key
     actions.open_path(state, phantom_path())
 
@@ -219,7 +175,7 @@ def test_a_preset_is_kept_by_name_and_windows_come_and_go(places: Places) -> Non
 
 @pytest.mark.display
 def test_a_clip_is_trimmed_and_masked_and_stays_so(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     actions.open_path(state, phantom_path())
 
@@ -251,7 +207,7 @@ def test_a_clip_is_trimmed_and_masked_and_stays_so(places: Places) -> None:
 
 @pytest.mark.display
 def test_a_mistake_is_a_banner_that_can_be_dismissed(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     actions.open_path(driver.state, places.config / "nothing.mp4")
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
@@ -266,7 +222,7 @@ def test_a_mistake_is_a_banner_that_can_be_dismissed(places: Places) -> None:
 
 @pytest.mark.display
 def test_keys_reach_the_state_whatever_has_the_focus(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         driver.window.drop(None, [str(phantom_path()), "another.mp4"])
@@ -310,7 +266,7 @@ def test_a_graphics_card_s_drawing_lives_beside_the_window_s_own(
 
     monkeypatch.setattr("app.gui.frame.canvas.ChosenViewport", on_the_card)
     jobs: list[FakeJob] = []
-    driver = Driver(places, Settings(acknowledged=True), jobs)
+    driver = Driver(places, jobs=jobs)
     actions.open_path(driver.state, phantom_path())
     pane: list[float] = []
 
@@ -341,7 +297,7 @@ def test_a_graphics_card_s_drawing_lives_beside_the_window_s_own(
 def test_splats_alone_have_the_pictures_place_until_a_clip_comes(
     places: Places, model: DynamicGaussians, tmp_path: Path
 ) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     file = tmp_path / "splats.ply"
     file.write_bytes(ply_bytes(model.raw, "default", []))
     actions.open_path(driver.state, file)

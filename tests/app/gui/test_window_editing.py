@@ -11,9 +11,9 @@ from imgui_bundle import ImVec2, glfw_utils, imgui
 
 from app.gui.actions import actions
 from app.gui.commands.keys import chord
-from app.gui.work.settings import Places, Settings
+from app.gui.work.settings import Places
 from app.runs.run_folder import RunFolder
-from tests.app.gui.test_window import Driver, wait
+from tests.app.gui.driver import Driver, wait
 
 
 @pytest.mark.display
@@ -21,7 +21,7 @@ def test_select_delete_undo_save_and_reopen(places: Places, runs: dict[str, Path
     """Editing by mouse and keys, as a person does it."""
     folder = RunFolder(Path(shutil.copytree(runs["original"], tmp_path / "run")))
     count = len(folder.model())
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     actions.open_path(state, folder.path)
 

@@ -15,10 +15,10 @@ from app.files.provenance import read_provenance
 from app.gui.actions import actions, export_actions, window_actions
 from app.gui.commands.keys import chord
 from app.gui.state.app_state import AppState
-from app.gui.work.settings import Places, Settings
+from app.gui.work.settings import Places
 from assets import phantom_path
 from tests.app.conftest import Cli
-from tests.app.gui.test_window import Driver, is_settled, wait
+from tests.app.gui.driver import Driver, is_settled, wait
 
 
 def test_the_frame_is_taken_once_what_was_clicked_has_gone(state: AppState) -> None:
@@ -55,7 +55,7 @@ def test_nothing_open_is_a_window_too(places: Places) -> None:
 
 @pytest.mark.display
 def test_the_picture_is_the_screen_without_the_export_panel(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places)
     state = driver.state
     actions.open_path(state, phantom_path())
 
