@@ -66,7 +66,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "--statistics",
         choices=SCOPES,
         default="automatic",
-        help="take statistics of each image on its own, or of 16 of them, evenly spread, for all, so that "
+        help="take statistics from each image on its own, or for all of them from 16, evenly spread, so that "
         "colours match and nothing flickers (default: the latter of a video, or of images that follow one "
         "another as in a video)",
     )

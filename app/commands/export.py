@@ -57,8 +57,8 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--without-unobserved",
         action="store_true",
-        help="splat files without Gaussians behind tissue in all frames, as 3D views from beside are drawn; "
-        "from where the endoscope was, holes are seen at outlines",
+        help="splat files leave out Gaussians behind tissue in all frames, as side views do; from where the "
+        "endoscope was, holes appear at outlines",
     )
     mesh_export.add_flags(parser)
     camera_export.add_flags(parser)

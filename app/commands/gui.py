@@ -23,16 +23,16 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="what to open, the first of several",
     )
-    parser.add_argument("--live", metavar="SOURCE", help="show a live source, as of `vesselsplat live`")
+    parser.add_argument("--live", metavar="SOURCE", help="show a live source, as in `vesselsplat live`")
     parser.add_argument(
-        "--right", metavar="SOURCE", help="with --live: source of the right eye, as of `vesselsplat live`"
+        "--right", metavar="SOURCE", help="with --live: source of the right eye, as in `vesselsplat live`"
     )
     parser.add_argument(
         "--igtl",
         metavar="PORT|HOST:PORT",
         nargs="?",
         const=str(PORT),
-        help="send the live source to 3D Slicer, as of `vesselsplat live`",
+        help="send the live source to 3D Slicer, as in `vesselsplat live`",
     )
     add_fields(parser, ClipOptions, EVERY_OPTION)
 

@@ -72,14 +72,16 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--list", action="store_true", help="list the capture devices of this machine")
     parser.add_argument("--seconds", type=float, metavar="N", help="stop after N seconds (default: Ctrl+C)")
-    parser.add_argument("--record", type=Path, metavar="FILE.mp4", help="record what is live into a new file")
+    parser.add_argument(
+        "--record", type=Path, metavar="FILE.mp4", help="record the live source into a new file"
+    )
     parser.add_argument("--what", choices=WHATS, help=f"what to record (default {WHATS[0]})")
     parser.add_argument(
         "--igtl",
         metavar="PORT|HOST:PORT",
         nargs="?",
         const=str(PORT),
-        help="send what is enhanced to 3D Slicer, as OpenIGTLink images (default port "
+        help="send the enhanced frames to 3D Slicer, as OpenIGTLink images (default port "
         f"{PORT}); only to programs of this computer unless HOST is another address of it",
     )
     parser.add_argument("--once", action="store_true", help="play a file to its end, not in a loop")
@@ -91,10 +93,10 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--pixel-format", metavar="FOUR", help="format to ask a device for: MJPG, YUYV")
     parser.add_argument(
-        "--method", choices=(PAPER, VESSEL), default=PAPER, help="as of `vesselsplat enhance`"
+        "--method", choices=(PAPER, VESSEL), default=PAPER, help="as in `vesselsplat enhance`"
     )
     add_settings(parser, "and --strength, --d-factor")
-    parser.add_argument("--pixels", choices=PIXELS[:2], default=PIXELS[0], help="as of `vesselsplat enhance`")
+    parser.add_argument("--pixels", choices=PIXELS[:2], default=PIXELS[0], help="as in `vesselsplat enhance`")
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
 

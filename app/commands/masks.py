@@ -57,7 +57,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--onnx-values",
         choices=VALUES,
-        help="what it takes: RGB less ImageNet's mean by its spread, RGB in [0, 1], or in [0, 255] "
+        help="what it takes: RGB normalised by ImageNet's mean and deviation, RGB in [0, 1], or in [0, 255] "
         "(default imagenet)",
     )
     parser.add_argument(
@@ -66,7 +66,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         default=[],
         metavar="CLASS",
-        help="classes of it that are tools, from 0 (default: all but the first)",
+        help="those of its classes, counted from 0, that are tools (default: all but the first)",
     )
     add_fields(parser, ClipOptions, ("frame_step", "deinterlacing", "stereo", "calibration"))
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")

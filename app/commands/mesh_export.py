@@ -40,7 +40,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         type=int,
         default=VERTICES,
         metavar="N",
-        help=f"about how fine the mesh is, for a frame full of tissue (default {VERTICES})",
+        help=f"about how many vertices the mesh has for a frame full of tissue (default {VERTICES})",
     )
     parser.add_argument(
         "--faces",

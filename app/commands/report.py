@@ -29,7 +29,13 @@ MINUTES, MINUTES_WITH_CLIP = 29.0, 54.0
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
     names = ",".join(part.name for part in PARTS)
-    parser.add_argument("--out", type=Path, default=Path("out/report"), metavar="DIR", help="(out/report)")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("out/report"),
+        metavar="DIR",
+        help="folder to write into (default out/report)",
+    )
     parser.add_argument(
         "--clip", type=Path, metavar="CLIP", help="measure on this clip instead of the phantom"
     )
@@ -41,7 +47,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "--parts", metavar="NAMES", default=names, help=f"any of {names}, separated by commas"
     )
     parser.add_argument(
-        "--minutes", type=positive, metavar="F", help="total time to spend (29; with --clip 54)"
+        "--minutes", type=positive, metavar="F", help="total time to spend (default 29; with --clip 54)"
     )
     parser.add_argument(
         "--budget",
@@ -49,7 +55,10 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         help="with the report, print the best settings within this time, such as 10ms",
     )
     parser.add_argument(
-        "--error", type=positive, metavar="F", help="the same of the fastest within this error"
+        "--error",
+        type=positive,
+        metavar="F",
+        help="the same of the fastest settings within this error",
     )
 
 

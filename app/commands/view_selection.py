@@ -50,7 +50,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "--window",
         type=int,
         metavar="N",
-        help="of a reconstruction in windows that of this number, from 1, as one of its own (default all)",
+        help="of a reconstruction in windows, only the one of this number, from 1 (default all)",
     )
     parser.add_argument(
         "--frames",
@@ -94,7 +94,11 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         help="render this many times the pixels along each axis and average them (default 1)",
     )
     parser.add_argument(
-        "--with", dest="renderer", choices=("gl", "cpu", "reference"), default="cpu", help="default cpu"
+        "--with",
+        dest="renderer",
+        choices=("gl", "cpu", "reference"),
+        default="cpu",
+        help="OpenGL, the CPU, or the slow reference in float64 (default cpu)",
     )
 
 

@@ -81,18 +81,18 @@ class ClipOptions:
     deinterlacing: Deinterlacing = "frame"
     """For interlaced video: one image per frame, one per field (twice as many), or off, as stored."""
     calibration: Annotated[Calibration | None, BeforeValidator(_read)] = None
-    """A file with the calibration of the lens, or of both eyes: images are undistorted by it, pairs
-    rectified, and depth of both eyes is in mm. As of OpenCV, ROS or Kalibr (YAML, JSON), or
-    StereoCalibration.ini."""
+    """The calibration of the lens or of both eyes, as OpenCV, ROS or Kalibr write it (YAML, XML, JSON),
+    COLMAP's cameras.txt or StereoCalibration.ini: images are undistorted, pairs rectified, and stereo depth
+    is in mm."""
     stereo: Stereo = "auto"
-    """How both eyes lie in the frames of a video, the left one first: side-by-side or top-bottom; off: they
-    are of one eye. Auto: as the video says."""
+    """How the frames of a video hold both eyes, the left one first: side-by-side or top-bottom; off: they
+    show one eye. Auto: as the video says."""
     bits: Annotated[int, Interval(ge=8, le=16)] | None = None
-    """That the values of 16-bit images use, PNG or TIFF, alone or in a folder: they are shown over the whole
-    range. Auto: 10 or 12, where these are enough and 8 are not; else, and of left and right images, 16, as
-    stored."""
+    """How many bits the values of 16-bit PNG and TIFF images use, alone or in a folder; they are shown over
+    that range. Auto: 10 or 12, where these are enough and 8 are not; else, and for left and right images, 16,
+    as stored."""
     alpha: Literal["mask", "ignored"] | None = None
-    """What is fully transparent in images, alone or in a folder: outside of the tissue (mask), or like any
+    """What is fully transparent in images, alone or in a folder: outside the tissue (mask), or like any
     other pixel (ignored). Auto: mask."""
     split: Split = "field"
     """Frames held out of training: every eighth from the second on, as is usual, or the odd ones, as is usual

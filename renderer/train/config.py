@@ -70,15 +70,15 @@ class TrainConfig:
     """vesselsplat: tissue moves by a shared-knot B-spline in time; deform3dgs: by bumps in time;
     endogaussian: by a HexPlane over space and time; static: nothing moves."""
     iterations: Annotated[int, Interval(ge=1, le=100_000)] = 3000
-    """Training iterations, each on one frame, for each window of a long clip; endogaussian takes a third as
-    many more before them, in which nothing moves, and counts them too."""
+    """Training iterations, each on one frame, for each window of a long clip; endogaussian first takes a
+    third as many more, in which nothing moves, and counts them too."""
     seed: Annotated[int, Interval(ge=0, le=2**31 - 1)] = 0
     """Random seed of the sampled points and the order of the frames."""
     n_gaussians: Annotated[int, Interval(ge=1, le=1_000_000)] = 30_000
     """Gaussians sampled from the depth of the training frames; fewer are faster but less sharp."""
     window_frames: Annotated[int, Interval(ge=48, le=100_000)] | None = None
-    """About how many frames one set of Gaussians is trained on; longer clips are cut into windows, those of
-    less than 80 frames never; auto: 400, fewer where the camera travels."""
+    """About how many frames one set of Gaussians is trained on; longer clips are cut into windows, if
+    they have at least 80; auto: 400, fewer where the camera travels."""
     n_controls: Annotated[int, Interval(ge=4, le=1000)] | None = None
     """Control values in time; empty: one per 3.7 frames, up to one per 2.3 where tracks show faster motion.
     More follow faster motion and overfit sooner."""
