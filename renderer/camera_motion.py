@@ -1,4 +1,4 @@
-"""Whether the pictures of a clip contradict it when it says that its camera stands still."""
+"""Whether the frames of a clip contradict it when it says that its camera is fixed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A few that stand for all, chosen in one place, so that whoever looks takes the same ones."""
+"""A few frames that stand for all of a clip: chosen here, so that all who look take the same ones."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How near a scene is drawn: a share of its distance, so that units do not matter."""
+"""The near plane of a scene: a share of its distance, so that units do not matter."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Splats in colours that show something else than how they look."""
+"""Splats in colours that show a quantity."""
 
 from __future__ import annotations
 

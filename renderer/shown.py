@@ -1,4 +1,4 @@
-"""Which Gaussians of a model some frame of its clip shows, by where their centres are.
+"""Which Gaussians of a model at least one frame of its clip shows, by where their centres are.
 
 One whose centre lies behind tissue in all frames has its place and size from the rim of it that shows
 beside the tissue in front: seen from elsewhere it is a blot that nothing vouches for.

@@ -1,4 +1,4 @@
-"""Whether torch is there. Only autograd needs it, and the float64 oracle, LPIPS and cards."""
+"""Whether torch is installed. Only autograd, the float64 oracle, LPIPS and GPUs need it."""
 
 from __future__ import annotations
 

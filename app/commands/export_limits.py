@@ -1,4 +1,4 @@
-"""What an export cannot heed: flags without effect on its files, and places among the model's own files."""
+"""Refuses flags without effect on what is exported, and outputs among the model's own files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where nothing is written that is made of a scene: in its run, its clip, or over its splat files."""
+"""Refuses outputs that would lie in the run or the clip that they are made from, or over its splat files."""
 
 from __future__ import annotations
 

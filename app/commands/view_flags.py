@@ -1,4 +1,4 @@
-"""Which kind of view is drawn of the moments that are asked for, as the flags say."""
+"""The flag --view, and the views that it asks for, one a moment."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a folder of results holds from before: a program that reads the folder would take both for one."""
+"""Names older results in a folder of new ones: a program that reads the folder would mix them."""
 
 from __future__ import annotations
 

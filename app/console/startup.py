@@ -1,4 +1,4 @@
-"""What is seen to before anything else is loaded: the program's own packages, its threads, a screen."""
+"""Checked and set before anything else is loaded: the program's own packages, its threads, a screen."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is told on stderr is no part of the work: where it can no longer be written, the work goes on."""
+"""Work goes on where stderr can no longer be written: what is said there is no part of it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Brightness and colour as amounts, more to the right. Settings, files and commands stay in z and d."""
+"""Brightness and colour as sliders show them, more to the right; files and commands keep z and d."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Exports of the window: a record of what is open, made a step at a time."""
+"""Exports of the window: a record of what is open becomes a file, a step at a time."""
 
 from __future__ import annotations
 

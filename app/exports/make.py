@@ -1,4 +1,4 @@
-"""The only way an exported file comes about: of its record, and of what that is of."""
+"""Writes every kind of exported file from its record and sources: for commands, window and replay alike."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What each kind of exported file says of itself: written into the file, and all that it is made again of."""
+"""The record of each kind of exported file: written into the file, with all that reproducing it takes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Delays of the last frames, and what they come to."""
+"""Delays of the last frames: their median, 95 % and largest."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is said of a live source on the command line."""
+"""A live source as the command line names it: its eyes, and where its frames are sent."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What trains: the processor, or a card through gsplat. torch is loaded only where there may be one."""
+"""What trains: the CPU, or a GPU through gsplat. torch is loaded only where there may be a GPU."""
 
 from __future__ import annotations
 

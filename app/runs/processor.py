@@ -1,4 +1,4 @@
-"""Which processor this is, and what it has to do."""
+"""The name and the load of the CPU."""
 
 from __future__ import annotations
 

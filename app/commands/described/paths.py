@@ -1,4 +1,4 @@
-"""Any path, whatever it is."""
+"""Finds what a path is, and has that described."""
 
 from __future__ import annotations
 

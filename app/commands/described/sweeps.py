@@ -1,4 +1,4 @@
-"""What a sweep, its table, and the file that describes one hold: what runs a sweep takes a while to load."""
+"""What a sweep, its table, and the file that describes one hold; without loading what runs a sweep."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a page shows of a scene."""
+"""The record of a page for browsers, from a scene."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What files of a scene's surface say of themselves."""
+"""The record of a surface file, from a scene."""
 
 from __future__ import annotations
 

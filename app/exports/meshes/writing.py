@@ -1,4 +1,4 @@
-"""The file of a record, in the format of its suffix."""
+"""Writes the file of a SurfaceMesh record, in the format of its suffix."""
 
 from __future__ import annotations
 

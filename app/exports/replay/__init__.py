@@ -1,1 +1,1 @@
-"""An exported file from its provenance: what that says, its sources, the file again, how far both differ."""
+"""Reproduces an exported file: reads its provenance, finds its sources, makes it and compares the two."""

@@ -1,4 +1,4 @@
-"""What a user can do, as functions on the state. No ImGui, no OpenGL: tested as plain code."""
+"""Messages, settings, opening, and the time of the clip, as functions on the state. No ImGui, no OpenGL."""
 
 from __future__ import annotations
 

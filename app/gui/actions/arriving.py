@@ -1,4 +1,4 @@
-"""What has been opened is taken over: the start of a session with it. A function on the state."""
+"""Takes over what has been opened: the start of a session with it. Functions on the state."""
 
 from __future__ import annotations
 

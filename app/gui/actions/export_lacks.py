@@ -1,4 +1,4 @@
-"""What an export still lacks, in a sentence."""
+"""Why something cannot be exported now, in a sentence."""
 
 from __future__ import annotations
 

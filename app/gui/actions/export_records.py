@@ -1,4 +1,4 @@
-"""What an export is of, as the window stands now: the record that its file is made from, and the sources."""
+"""The record of an export as the window stands now, and its sources."""
 
 from __future__ import annotations
 

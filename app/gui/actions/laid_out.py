@@ -1,4 +1,4 @@
-"""What drawing finds out: sizes, the pointer, what is on screen; as functions on the state."""
+"""What drawing reports back, as functions on the state: sizes, the pointer, what is on screen."""
 
 from __future__ import annotations
 

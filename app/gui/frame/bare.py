@@ -1,4 +1,4 @@
-"""The window without some of its panels or all of them, and with them again."""
+"""Hides some or all panels of the window, and brings them back."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""All of the window that lives in its OpenGL context."""
+"""Everything of the window that lives in its OpenGL context."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The window at large: which panels and bars it has, and whether it fills the screen."""
+"""Which panels and bars the window has, and whether it fills the screen."""
 
 from __future__ import annotations
 

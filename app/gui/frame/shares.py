@@ -1,4 +1,4 @@
-"""What is beside or below the images leaves them their share of a window that changes its size.
+"""Keeps the share that images have of a window while that changes its size.
 
 The runner gives the images all that a window grows by, and takes from them all that it shrinks by. A layout
 that it reads has sizes in pixels of a window that may have been larger.

@@ -1,4 +1,4 @@
-"""How long the rest of a row of like steps takes."""
+"""How long the rest of a series of similar steps takes."""
 
 from __future__ import annotations
 

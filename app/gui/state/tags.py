@@ -1,4 +1,4 @@
-"""What is said over a picture."""
+"""Labels over a picture, as values."""
 
 from __future__ import annotations
 

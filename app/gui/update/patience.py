@@ -1,4 +1,4 @@
-"""What takes long is said, and can be given up."""
+"""Work that takes long is reported, and can be given up."""
 
 from __future__ import annotations
 

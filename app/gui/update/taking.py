@@ -1,4 +1,4 @@
-"""What answers of the background work change in the state, where there is no action for them."""
+"""What answers of the background work change in the state, where no action does that."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the state wishes for now, of each kind of background work that takes more than a look at it."""
+"""The requests that the state makes now, one function for each kind of background work."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One scale for all moments of what a 3D view shows in the colours of values, as videos of it have."""
+"""One scale of colours for all moments of a 3D view that shows a quantity, as its videos have."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Error against run time of the enhancement, all knobs."""
+"""Error against run time of the enhancement, over all of its parameters."""
 
 from __future__ import annotations
 

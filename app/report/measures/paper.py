@@ -1,4 +1,4 @@
-"""The paper's Tables 1 to 3 on what is at hand, beside the paper's rows, and what holds of them."""
+"""The paper's Tables 1 to 3 on the clips that are there, beside the paper's rows, and which of them hold."""
 
 from __future__ import annotations
 
