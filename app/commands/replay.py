@@ -67,4 +67,4 @@ def _target(flags: argparse.Namespace) -> Iterator[Path]:
 
 def _require_new(path: Path) -> None:
     if os.path.lexists(path):
-        raise UserError(f"--out: expected a new file, got one that is there: {path}")
+        raise UserError(f"--out: expected a new file, got one that exists: {path}")

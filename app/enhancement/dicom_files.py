@@ -31,8 +31,8 @@ from renderer.readers.dicom.opening import SUFFIXES
 from renderer.readers.video_header import read_video_header
 
 MAY_TELL: Final = (
-    "text in the images is not looked for: the DICOM file says that it may tell who the patient is "
-    "(--burned-in no says that there is none)"
+    "the images are not searched for text: the DICOM file states that some may tell who the patient is "
+    "(--burned-in no states that there is none)"
 )
 SILENT: Final = "the sound is left out, since speech may tell who the patient is (--keep-identity keeps it)"
 

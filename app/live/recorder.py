@@ -213,7 +213,7 @@ def require_new(path: Path) -> None:
         raise UserError(f"expected a recording to end in {MP4}, got {path.name}: {path}")
     require_utf8(path)
     if os.path.lexists(path):
-        raise UserError(f"expected a new file to record into, got one that is there: {path}")
+        raise UserError(f"expected a new file to record into, got one that exists: {path}")
 
 
 def shown(picture: LivePicture, what: What) -> ByteImage:

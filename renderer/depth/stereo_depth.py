@@ -113,7 +113,7 @@ def _assumed(clip: Clip, *, is_doubtful: bool) -> str:
     """What lengths and shapes rest on where no calibration says it; empty where one does."""
     if not is_seen_by_assumption(clip):
         return ""
-    doubt = ", which eyes whose rows lie apart make doubtful" if is_doubtful else ""
+    doubt = ", doubtful as their rows are apart" if is_doubtful else ""
     eyes = f"eyes that look in parallel with principal points in the middle{doubt}"
     return f"{eyes}, and on a field of view of {clip.cameras[0].field_of_view:.0f} degrees"
 

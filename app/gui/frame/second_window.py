@@ -21,7 +21,7 @@ from app.gui.frame.second_content import SecondContent
 from app.gui.state.app_state import AppState
 
 SIZE: Final = (640, 480)
-LOST: Final = "the monitor of the second window has gone: Shift+F5 opens it again"
+LOST: Final = "the monitor of the second window was disconnected: Shift+F5 opens the window again"
 GAP: Final = 48
 """Pixels from the corner of the first window, on the same screen."""
 HINTS: Final = {

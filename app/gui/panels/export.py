@@ -76,7 +76,7 @@ BURNED_IN: dict[bool | None, str] = {
     True: "May identify the patient",
     False: "Does not identify the patient",
 }
-BURNED_IN_TEXT = "Names or dates burned into the image are not looked for: state whether there are any."
+BURNED_IN_TEXT = "Images are not searched for names or dates burned into them: state whether there are any."
 ENCODED = {
     WEBM: "Plays in browsers and needs no licence; some presentation programs do not play it.",
     HEVC: "The smallest files, for newer devices; slow to encode.",

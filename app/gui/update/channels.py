@@ -146,7 +146,7 @@ class Channels:
         self.clips = row(NewestChannel(open_queued), queue_actions.take_clip, wishes.clip_wish, "apart",
                          forgets=False, patience=Patience(_waits_for_clip, can_stop=False))
         self.ways = row(NewestChannel(find_ways),
-                        noted("where depth can come from cannot be told", depth_actions.take_ways),
+                        noted("possible sources of depth cannot be listed", depth_actions.take_ways),
                         wishes.ways_wish, "apart")
         self.neighbours = row(NewestChannel(find_neighbours),
                               noted("the images beside this one cannot be listed", taking.take_neighbours),
@@ -172,7 +172,8 @@ class Channels:
         self.models = row(Channel(run_model),
                           told("the reconstruction cannot be shown", job_actions.take_model),
                           job_actions.model_wish)
-        self.left = row(Channel(left_of), told("what the run has left cannot be told", run_actions.take_left),
+        self.left = row(Channel(left_of),
+                        told("what is left of the run cannot be read", run_actions.take_left),
                         lambda s: s.runs.reconstruction.ended)
         self.picks = row(Channel(pick), told("the point cannot be located", camera_actions.take_point),
                          lambda s: s.scene.viewer.pick)
@@ -194,8 +195,7 @@ class Channels:
         self.kept_masks = row(Channel(keep_mask, depth=256), masking_actions.take_kept, server=SECOND)
         self.runs = row(Channel(RunFinder().find), run_actions.take_found, lambda s: s.runs_request, SECOND)
         self.beside = row(Channel(find_models),
-                          noted("what can be seen in a second view cannot be told",
-                                second_actions.take_models),
+                          noted("models for a second view cannot be listed", second_actions.take_models),
                           wishes.models_wish, SECOND)
         self.view = row(Channel(draw_view), taking.take_view, wishes.view_wish)
         self.second = row(Channel(draw_view), taking.take_second, wishes.second_wish)
@@ -218,7 +218,7 @@ class Channels:
                          noted("the clip's thumbnails cannot be shown", taking.take_strip), wishes.strip_wish,
                          SECOND, forgets=False)
         self.left_out = row(Channel(left_out),
-                            noted("what is left out of this frame cannot be shown", taking.take_left_out),
+                            noted("areas left out of this frame cannot be shown", taking.take_left_out),
                             wishes.left_out_wish, SECOND, forgets=False)
         self.recents = row(Channel(find_recents), noted("recent files cannot be shown", taking.take_recents),
                            wishes.recents_wish, "apart", forgets=False)

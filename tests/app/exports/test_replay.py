@@ -311,7 +311,7 @@ def test_no_file_is_overwritten_by_what_is_made_again(folder: Path, vesselsplat:
     assert vesselsplat("enhance", source, out).code == 0
     before = source.read_bytes()
     call = vesselsplat("replay", out, "--out", source)
-    assert (call.code, "expected a new file, got one that is there" in call.error) == (2, True)
+    assert (call.code, "expected a new file, got one that exists" in call.error) == (2, True)
     assert source.read_bytes() == before
 
 
@@ -322,7 +322,7 @@ def test_no_file_beside_what_is_made_again_is_overwritten(folder: Path, vesselsp
     theirs.write_text("another's")
     call = vesselsplat("replay", out, "--out", again)
     assert (call.code, call.error.count("\n")) == (2, 1)
-    assert f"expected a new file, got one that is there: {theirs}" in call.error
+    assert f"expected a new file, got one that exists: {theirs}" in call.error
     assert theirs.read_text() == "another's"
     assert not again.exists()
 

@@ -236,4 +236,4 @@ def test_a_tint_that_cannot_be_made_is_told_as_one(state: AppState, monkeypatch:
     monkeypatch.setattr(masking, "found_around", damaged)
     clip_actions.toggle_overlay(state)
     settle(state, Channels(), 0.0)
-    assert state.window.log[-1] == "what is left out of this frame cannot be shown: frame 1 is damaged"
+    assert state.window.log[-1] == "areas left out of this frame cannot be shown: frame 1 is damaged"

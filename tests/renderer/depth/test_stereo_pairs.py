@@ -228,7 +228,7 @@ def test_it_is_said_what_millimetres_rest_on_without_a_calibration(written, tmp_
     folder = copied(written, tmp_path)
     for index in range(2):
         change(folder / f"right/{index:06d}.png", lambda pixels: np.roll(pixels, 4, axis=0))
-    assert "whose rows lie apart make doubtful" in opened(folder, BASELINE).notices[-1]
+    assert "doubtful as their rows are apart" in opened(folder, BASELINE).notices[-1]
 
 
 def test_strays_are_reported(written, tmp_path):
