@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 from imgui_bundle import imgui
 from imgui_bundle.immapp import testing
 
+from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.window import Window
 from app.gui.work.settings import Places, Settings
@@ -21,19 +23,19 @@ ACKNOWLEDGED = Settings(acknowledged=True)
 
 
 class Driver:
-    """A window of small size and what a test does with it; `jobs` takes those that the window starts."""
+    """A small window that opens a path, and what a test does with it."""
 
-    def __init__(
-        self, places: Places, settings: Settings = ACKNOWLEDGED, jobs: list[FakeJob] | None = None
-    ) -> None:
-        made = [] if jobs is None else jobs
-
-        def make_job(request: object) -> FakeJob:
-            made.append(FakeJob(request))
-            return made[-1]
-
+    def __init__(self, places: Places, settings: Settings = ACKNOWLEDGED, opens: Path | None = None) -> None:
+        self.jobs: list[FakeJob] = []
+        """Those that the window has started."""
         self.state = AppState(places, settings)
-        self.window = Window(self.state, make_job)
+        self.window = Window(self.state, self._make_job)
+        if opens is not None:
+            actions.open_path(self.state, opens)
+
+    def _make_job(self, request: object) -> FakeJob:
+        self.jobs.append(FakeJob(request))
+        return self.jobs[-1]
 
     def run(self, drive: Drive) -> None:
         params = self.window.runner_params()

@@ -20,9 +20,8 @@ def places_in(root: Path) -> Places:
 
 
 def main(root: Path) -> None:
-    driver = Driver(places_in(root))
+    driver = Driver(places_in(root), opens=phantom_path())
     state = driver.state
-    actions.open_path(state, phantom_path())
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")

@@ -32,9 +32,8 @@ def in_front(ctx: imgui.test_engine.TestContext) -> set[str]:
 
 @pytest.mark.display
 def test_tab_leaves_the_pictures_alone_and_brings_all_panels_back(places: Places) -> None:
-    driver = Driver(places)
+    driver = Driver(places, opens=phantom_path())
     state, key = driver.state, imgui.Key
-    actions.open_path(state, phantom_path())
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         def width() -> float:
@@ -73,9 +72,8 @@ def test_tab_leaves_the_pictures_alone_and_brings_all_panels_back(places: Places
 
 @pytest.mark.display
 def test_tuning_comes_back_behind_the_images_where_it_was(places: Places, tmp_path: Path) -> None:
-    driver = Driver(places)
+    driver = Driver(places, opens=phantom_path())
     state, key, session = driver.state, imgui.Key, tmp_path / "monday.vesselsplat"
-    actions.open_path(state, phantom_path())
 
     def tuning_is(ctx: imgui.test_engine.TestContext) -> str:
         ctx.yield_(6)

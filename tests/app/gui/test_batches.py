@@ -353,9 +353,8 @@ def test_closing_the_window_leaves_nothing_half_written(places: Places, case: Pa
 @pytest.mark.display
 def test_from_the_key_to_the_files(places: Places, case: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("app.gui.frame.dialogs.has_desktop_dialogs", lambda: False)
-    driver = Driver(places)
+    driver = Driver(places, opens=phantom_path())
     state = driver.state
-    actions.open_path(state, phantom_path())
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")

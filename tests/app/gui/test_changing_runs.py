@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from imgui_bundle import imgui
 
-from app.gui.actions import actions, arriving, changing_runs, job_actions
+from app.gui.actions import arriving, changing_runs, job_actions
 from app.gui.frame.title import title_of
 from app.gui.panels import run_questions
 from app.gui.panels.run_questions import held
@@ -200,10 +200,8 @@ def test_the_run_that_is_shown_is_renamed_and_deleted_by_mouse_and_keyboard(
     places: Places, runs: dict[str, Path]
 ) -> None:
     shutil.copytree(runs["original"], places.runs / "first")
-    jobs: list[FakeJob] = []
-    driver = Driver(places, jobs=jobs)
+    driver = Driver(places, opens=places.runs / "first")
     state = driver.state
-    actions.open_path(state, places.runs / "first")
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the run")

@@ -289,9 +289,8 @@ def test_the_encoder_is_asked_for_once_the_panel_is_shown(run: Exporter) -> None
 
 @pytest.mark.display
 def test_by_hand_from_the_palette_to_the_file(places: Places) -> None:
-    driver = Driver(places)
+    driver = Driver(places, opens=phantom_path())
     state = driver.state
-    actions.open_path(state, phantom_path())
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
@@ -317,9 +316,8 @@ def test_by_hand_from_the_palette_to_the_file(places: Places) -> None:
 
 @pytest.mark.display
 def test_by_hand_splats_in_another_format(places: Places, runs: dict[str, Path]) -> None:
-    driver = Driver(places)
+    driver = Driver(places, opens=runs["original"])
     state = driver.state
-    actions.open_path(state, runs["original"])
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state) and state.scene.model is not None, "the run")

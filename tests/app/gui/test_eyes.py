@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
-from app.gui.actions import actions, clip_actions, depth_actions
+from app.gui.actions import clip_actions, depth_actions
 from app.gui.state.source import Source
 from app.gui.work.settings import Places, load_clips
 from renderer.readers.clip_options import ClipOptions
@@ -63,9 +63,8 @@ def test_a_video_that_cannot_be_split_stays_open_and_can_be_opened_again(
 
 @pytest.mark.display
 def test_it_is_chosen_by_hand(places: Places, video: Path) -> None:
-    driver = Driver(places)
+    driver = Driver(places, opens=video)
     state = driver.state
-    actions.open_path(state, video)
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state) and state.source.depth_ways is not None, "the video")

@@ -166,9 +166,8 @@ def test_titles_of_panels_are_whole_in_large_text_and_come_into_sight(places: Pl
 
 @pytest.mark.display
 def test_another_layout_waits_until_all_panels_are_there(places: Places, still: Path) -> None:
-    driver = Driver(places)
+    driver = Driver(places, opens=phantom_path())
     state = driver.state
-    actions.open_path(state, phantom_path())
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
@@ -197,9 +196,8 @@ def test_another_layout_waits_until_all_panels_are_there(places: Places, still: 
 def test_what_is_below_keeps_its_share_when_the_window_grows_before_and_while_it_is_shown(
     places: Places, model: DynamicGaussians
 ) -> None:
-    driver = Driver(places)
+    driver = Driver(places, opens=phantom_path())
     state = driver.state
-    actions.open_path(state, phantom_path())
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         def share() -> float:
@@ -236,9 +234,8 @@ def test_what_is_below_keeps_its_share_when_the_window_grows_before_and_while_it
 def test_in_an_upright_window_panels_are_below_the_images(
     places: Places, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    driver = Driver(places)
+    driver = Driver(places, opens=phantom_path())
     state = driver.state
-    actions.open_path(state, phantom_path())
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         def shape(width: int, height: int) -> None:

@@ -11,7 +11,7 @@ from imgui_bundle import imgui
 from PIL import Image
 
 from app.enhancement.settable import RENDER
-from app.gui.actions import actions, arriving, browse_actions, clip_actions, live_actions, run_actions
+from app.gui.actions import arriving, browse_actions, clip_actions, live_actions, run_actions
 from app.gui.panels import reconstruction
 from app.gui.state import panes
 from app.gui.state.app_state import AppState
@@ -151,9 +151,8 @@ def test_it_is_chosen_and_removed_by_hand(
     (tmp_path / "clip").mkdir()
     for at in range(3):
         Image.fromarray(pair[0]).save(tmp_path / "clip" / f"{at}.png")
-    driver = Driver(places)
+    driver = Driver(places, opens=tmp_path / "clip")
     state = driver.state
-    actions.open_path(state, tmp_path / "clip")
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state) and state.source.depth_ways is not None, "the clip")

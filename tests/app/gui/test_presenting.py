@@ -243,9 +243,8 @@ def test_it_ends_with_what_it_shows(opened: AppState, model: DynamicGaussians) -
 @pytest.mark.display
 def test_the_image_is_on_the_screen_pixel_for_pixel(places: Places) -> None:
     """It is drawn behind the panels; what is beside it is dark, in the light theme as well."""
-    driver = Driver(places, Settings(acknowledged=True, theme="light"))
+    driver = Driver(places, Settings(acknowledged=True, theme="light"), opens=phantom_path())
     state, screens = driver.state, list[ByteImage]()
-    actions.open_path(state, phantom_path())
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
@@ -275,9 +274,8 @@ def test_the_image_is_on_the_screen_pixel_for_pixel(places: Places) -> None:
 
 @pytest.mark.display
 def test_the_whole_window_is_the_pane_and_then_as_before(places: Places) -> None:
-    driver = Driver(places)
+    driver = Driver(places, opens=phantom_path())
     state, key = driver.state, imgui.Key
-    actions.open_path(state, phantom_path())
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         def is_there(name: str) -> bool:
@@ -328,9 +326,8 @@ def test_the_whole_window_is_the_pane_and_then_as_before(places: Places) -> None
 
 @pytest.mark.display
 def test_no_frame_is_dark_when_it_ends(places: Places) -> None:
-    driver = Driver(places)
+    driver = Driver(places, opens=phantom_path())
     state, screens = driver.state, list[ByteImage]()
-    actions.open_path(state, phantom_path())
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
@@ -349,9 +346,8 @@ def test_no_frame_is_dark_when_it_ends(places: Places) -> None:
 
 @pytest.mark.display
 def test_it_ends_in_a_window_without_panels_too(places: Places) -> None:
-    driver = Driver(places)
+    driver = Driver(places, opens=phantom_path())
     state = driver.state
-    actions.open_path(state, phantom_path())
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")

@@ -23,7 +23,6 @@ from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
 from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished, Progress, Started
-from tests.app.gui.conftest import FakeJob
 from tests.app.gui.driver import Driver, is_settled, wait
 
 
@@ -31,10 +30,8 @@ from tests.app.gui.driver import Driver, is_settled, wait
 def test_two_reconstructions_are_queued_watched_and_asked_about(
     places: Places, model: DynamicGaussians
 ) -> None:
-    jobs: list[FakeJob] = []
-    driver = Driver(places, jobs=jobs)
-    state = driver.state
-    actions.open_path(state, phantom_path())
+    driver = Driver(places, opens=phantom_path())
+    state, jobs = driver.state, driver.jobs
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
@@ -87,10 +84,8 @@ def test_two_reconstructions_are_queued_watched_and_asked_about(
 @pytest.mark.display
 def test_a_signal_that_ends_the_training_too_starts_none_of_those_that_wait(places: Places) -> None:
     """As a service manager sends it to all processes of the window."""
-    jobs: list[FakeJob] = []
-    driver = Driver(places, jobs=jobs)
-    state = driver.state
-    actions.open_path(state, phantom_path())
+    driver = Driver(places, opens=phantom_path())
+    state, jobs = driver.state, driver.jobs
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
@@ -116,10 +111,8 @@ def test_what_was_cut_short_before_is_found_and_goes_on(places: Places, clip_pat
     while not RunFolder(request.run_path).has_checkpoint:
         next(steps)
     steps.close()
-    jobs: list[FakeJob] = []
-    driver = Driver(places, jobs=jobs)
-    state = driver.state
-    actions.open_path(state, clip_path)
+    driver = Driver(places, opens=clip_path)
+    state, jobs = driver.state, driver.jobs
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the clip")
@@ -149,9 +142,8 @@ def test_what_waited_when_the_last_window_died_is_shown_and_starts_at_a_click(pl
         for name, count in (("first", 100), ("second", 200))
     ]
     keep_queue(places.config / f"queue-{dead.pid}.json", waited)
-    jobs: list[FakeJob] = []
-    driver = Driver(places, jobs=jobs)
-    state = driver.state
+    driver = Driver(places)
+    state, jobs = driver.state, driver.jobs
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         ctx.window_focus("//Runs")
@@ -180,10 +172,8 @@ def test_what_waited_when_the_last_window_died_is_shown_and_starts_at_a_click(pl
 
 @pytest.mark.display
 def test_a_trim_is_said_before_it_is_trained_on_and_undone_by_its_name(places: Places) -> None:
-    jobs: list[FakeJob] = []
-    driver = Driver(places, jobs=jobs)
-    state = driver.state
-    actions.open_path(state, phantom_path())
+    driver = Driver(places, opens=phantom_path())
+    state, jobs = driver.state, driver.jobs
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")

@@ -36,7 +36,6 @@ from renderer.camera import Camera
 from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_bare, open_clip
 from renderer.train.config import TrainConfig
-from tests.app.gui.conftest import FakeJob
 from tests.app.gui.driver import Driver, is_settled, wait
 from tests.app.gui.settling import keep_all, served
 from tests.renderer.eyes import write_eyes
@@ -259,10 +258,8 @@ def test_frames_follow_the_image_unless_unlinked(state: AppState) -> None:
 
 @pytest.mark.display
 def test_depth_and_frames_are_chosen_by_hand(places: Places, tmp_path: Path) -> None:
-    jobs: list[FakeJob] = []
-    driver = Driver(places, jobs=jobs)
-    state = driver.state
-    actions.open_path(state, write_video(tmp_path / "video"))
+    driver = Driver(places, opens=write_video(tmp_path / "video"))
+    state, jobs = driver.state, driver.jobs
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state) and state.source.depth_ways is not None, "the clip")
@@ -305,9 +302,8 @@ def test_baseline_and_field_of_view_are_typed_and_give_a_stereo_pair_a_scale(
     write_eyes(
         tmp_path / "pair", "left/{:06d}.png", "right/{:06d}.png", 2, width=192, height=144, seed=41, tools=0
     )
-    driver = Driver(places)
+    driver = Driver(places, opens=tmp_path / "pair")
     state = driver.state
-    actions.open_path(state, tmp_path / "pair")
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state) and state.source.depth_ways is not None, "the pair")

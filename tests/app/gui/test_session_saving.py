@@ -185,9 +185,8 @@ def test_what_has_changed_since_is_marked_and_looking_around_is_no_change(
 @pytest.mark.display
 def test_from_the_key_to_the_file(places: Places, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("app.gui.frame.dialogs.has_desktop_dialogs", lambda: False)
-    driver = Driver(places)
+    driver = Driver(places, opens=phantom_path())
     state = driver.state
-    actions.open_path(state, phantom_path())
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
@@ -220,9 +219,8 @@ def test_from_the_key_to_the_file(places: Places, monkeypatch: pytest.MonkeyPatc
 
 @pytest.mark.display
 def test_changes_of_a_saved_session_are_not_lost_without_a_question(places: Places) -> None:
-    driver = Driver(places)
+    driver = Driver(places, opens=phantom_path())
     state, path = driver.state, places.pictures / "monday.vesselsplat"
-    actions.open_path(state, phantom_path())
 
     def close(ctx: imgui.test_engine.TestContext) -> None:
         glfw.set_window_should_close(glfw_utils.glfw_window_hello_imgui(), 1)
@@ -357,9 +355,8 @@ def test_a_run_whose_clip_was_moved_is_shown_with_it_where_a_person_says(
 
 @pytest.mark.display
 def test_a_case_in_no_file_keeps_the_window_open_until_it_is_answered(places: Places) -> None:
-    driver = Driver(places)
+    driver = Driver(places, opens=phantom_path())
     state = driver.state
-    actions.open_path(state, phantom_path())
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")

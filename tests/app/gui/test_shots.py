@@ -269,9 +269,8 @@ def test_the_panel_draws(ui: Ui, state: AppState) -> None:
 
 @pytest.mark.display
 def test_from_the_key_to_the_file(places: Places) -> None:
-    driver = Driver(places)
+    driver = Driver(places, opens=phantom_path())
     state = driver.state
-    actions.open_path(state, phantom_path())
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")

@@ -199,9 +199,8 @@ def test_an_image_alone_in_its_folder_has_none_beside_it(places: Places, tmp_pat
 
 @pytest.mark.display
 def test_arrows_go_through_a_folder(places: Places, case: Path) -> None:
-    driver = Driver(places)
+    driver = Driver(places, opens=case / "1.png")
     state = driver.state
-    actions.open_path(state, case / "1.png")
 
     def at(name: str) -> bool:
         return state.source.path == case / name and is_settled(state) and state.source.place is not None

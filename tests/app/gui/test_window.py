@@ -26,7 +26,6 @@ from renderer.gaussians import DynamicGaussians
 from renderer.splat_files.inria_ply import ply_bytes
 from renderer.train.events import Finished, Progress, Started
 from renderer.unobserved import GREY
-from tests.app.gui.conftest import FakeJob
 from tests.app.gui.driver import Driver, enhanced, is_settled, wait
 
 
@@ -37,9 +36,8 @@ def test_the_window_process_never_imports_torch() -> None:
 
 @pytest.mark.display
 def test_a_session_from_first_start_to_a_saved_picture(places: Places, model: DynamicGaussians) -> None:
-    jobs: list[FakeJob] = []
-    driver = Driver(places, Settings(), jobs)
-    state = driver.state
+    driver = Driver(places, Settings())
+    state, jobs = driver.state, driver.jobs
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         ctx.item_click("//Before you begin/I understand")
@@ -86,9 +84,8 @@ def test_a_session_from_first_start_to_a_saved_picture(places: Places, model: Dy
 @pytest.mark.display
 def test_two_pictures_are_compared_in_every_way(places: Places) -> None:
     """Sources from the lists above panes, modes by key, the wipe's line by hand, pixels at the mouse."""
-    driver = Driver(places)
+    driver = Driver(places, opens=phantom_path())
     state, key = driver.state, imgui.Key
-    actions.open_path(state, phantom_path())
 
     def ready() -> bool:
         return is_settled(state) and not state.comparing.waits
@@ -135,9 +132,8 @@ def test_two_pictures_are_compared_in_every_way(places: Places) -> None:
 
 @pytest.mark.display
 def test_a_preset_is_kept_by_name_and_windows_come_and_go(places: Places) -> None:
-    driver = Driver(places)
+    driver = Driver(places, opens=phantom_path())
     state, key = driver.state, imgui.Key
-    actions.open_path(state, phantom_path())
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
@@ -175,9 +171,8 @@ def test_a_preset_is_kept_by_name_and_windows_come_and_go(places: Places) -> Non
 
 @pytest.mark.display
 def test_a_clip_is_trimmed_and_masked_and_stays_so(places: Places) -> None:
-    driver = Driver(places)
+    driver = Driver(places, opens=phantom_path())
     state = driver.state
-    actions.open_path(state, phantom_path())
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
@@ -265,23 +260,22 @@ def test_a_graphics_card_s_drawing_lives_beside_the_window_s_own(
         return GraphicsViewport(ctx, textures)
 
     monkeypatch.setattr("app.gui.frame.canvas.ChosenViewport", on_the_card)
-    jobs: list[FakeJob] = []
-    driver = Driver(places, jobs=jobs)
-    actions.open_path(driver.state, phantom_path())
+    driver = Driver(places, opens=phantom_path())
+    state, jobs = driver.state, driver.jobs
     pane: list[float] = []
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
-        wait(ctx, lambda: is_settled(driver.state), "the phantom")
+        wait(ctx, lambda: is_settled(state), "the phantom")
         ctx.item_click("//Reconstruction/###start")
         wait(ctx, lambda: bool(jobs), "the job")
         jobs[0].model = model
-        wait(ctx, lambda: driver.state.view_request is not None, "the view")
+        wait(ctx, lambda: state.view_request is not None, "the view")
         ctx.yield_(3)
         box = ctx.item_info("//3D view/view").rect_full
         pane.extend((box.min.x, box.min.y, box.max.x, box.max.y))
 
     driver.run(drive)
-    assert not driver.state.scene.processor_draws
+    assert not state.scene.processor_draws
     shot = np.asarray(hello_imgui.final_app_window_screenshot()).astype(int)
     left, top, right, bottom = (round(edge) for edge in pane)
     view = shot[top:bottom, left:right]

@@ -21,9 +21,8 @@ def test_select_delete_undo_save_and_reopen(places: Places, runs: dict[str, Path
     """Editing by mouse and keys, as a person does it."""
     folder = RunFolder(Path(shutil.copytree(runs["original"], tmp_path / "run")))
     count = len(folder.model())
-    driver = Driver(places)
+    driver = Driver(places, opens=folder.path)
     state = driver.state
-    actions.open_path(state, folder.path)
 
     def drag_across_left_half(ctx: imgui.test_engine.TestContext) -> None:
         box = ctx.item_info("//3D view/view").rect_full

@@ -12,7 +12,7 @@ from imgui_bundle import hello_imgui, imgui
 from app.exports.exporting import export
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance
-from app.gui.actions import actions, export_actions, window_actions
+from app.gui.actions import export_actions, window_actions
 from app.gui.commands.keys import chord
 from app.gui.state.app_state import AppState
 from app.gui.work.settings import Places
@@ -55,9 +55,8 @@ def test_nothing_open_is_a_window_too(places: Places) -> None:
 
 @pytest.mark.display
 def test_the_picture_is_the_screen_without_the_export_panel(places: Places) -> None:
-    driver = Driver(places)
+    driver = Driver(places, opens=phantom_path())
     state = driver.state
-    actions.open_path(state, phantom_path())
 
     def shots() -> list[Path]:
         return sorted(
