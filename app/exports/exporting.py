@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import chain, count
 from pathlib import Path
 from typing import Final
@@ -31,7 +32,7 @@ from app.exports.records import (
     ViewVideo,
 )
 from app.exports.sources import Opened
-from app.files.atomic import filled
+from app.files.atomic import filled, require_there
 from app.files.image_files import write_image
 from app.files.image_series import Series, open_series
 from app.files.provenance import provenance, write_png
@@ -162,12 +163,18 @@ def export(request: ExportRequest) -> Iterator[Step]:
         # Where the disk is full, that is told of the name that the file would have had.
         name = free_name(request.folder, request.stem, request.suffix)
         with filled(request.folder) as staging:
-            yield from _made(request, staging / name)
+            yield from map_steps(_made(request, staging / name), partial(_while_there, staging))
             path = request.folder / _renamed(staging, request, name)
     yield Step(request.steps, path)
 
 
-def _made(request: ExportRequest, target: Path) -> Iterator[Step]:
+def _while_there(folder: Path, step: Step) -> Step:
+    """Raises UserError: the folder is gone, which would be seen only at the end."""
+    require_there(folder)
+    return step
+
+
+def _made(request: ExportRequest, target: Path) -> Generator[Step, None, None]:
     """The file at `target`, or the folder: whole or not at all."""
     record, clip = request.record, request.sources.own
     if isinstance(record, CameraSet):

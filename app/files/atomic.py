@@ -83,6 +83,15 @@ def filled(folder: Path) -> Iterator[Path]:
         shutil.rmtree(staging, ignore_errors=True)
 
 
+def require_there(folder: Path) -> None:
+    """Of work that goes on in a folder for long: an open file is written on where its folder is gone.
+
+    Raises UserError: it was deleted or moved away, or its disk was unplugged.
+    """
+    if not folder.is_dir():
+        raise UserError(f"expected the folder to stay while a file is written into it, got it gone: {folder}")
+
+
 @contextmanager
 def together(path: Path) -> Iterator[Path]:
     """The temporary place of a file, beside which more may be written: all appear at once.

@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from app.errors import UserError
-from app.files.atomic import replaced
+from app.files.atomic import replaced, require_there
 from app.files.image_files import ArrayImage
 from app.files.legible import require_utf8
 from app.files.stepping import run_to_end
@@ -81,6 +81,7 @@ def write_frames(path: Path, frames: Iterator[ArrayImage], timing: Timing) -> Ge
                     raise UserError(
                         f"expected frames of {given[0]}x{given[1]}, got {come[0]}x{come[1]}: {path}"
                     )
+                require_there(temporary.parent)
                 writer.write(np.ascontiguousarray(frame[: size[1], : size[0]]), seconds)
                 yield done
             writer.finish()

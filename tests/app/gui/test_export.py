@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Generator
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +14,7 @@ from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Picture
 from app.enhancement.methods import Params
 from app.enhancement.settable import ENHANCED, RENDER
 from app.enhancement.setting_words import in_letters, worded
+from app.errors import UserError
 from app.exports.exporting import Step, export
 from app.exports.panes import PaneMaker, pane_record
 from app.exports.records import FrameRecord, PanesPicture, Words
@@ -26,6 +28,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 from app.gui.update.jobs import start_due
 from app.gui.work import opening
+from app.gui.work.background import Failure
 from app.runs.clip_selection import ClipPart
 from app.scenes.records import RunSource
 from app.scenes.view_request import ViewRequest
@@ -247,6 +250,24 @@ def test_measuring_the_clip_can_be_given_up_after_each_frame(state: AppState, cl
     assert [next(steps).done for _ in clip.labels] == [0] * len(clip)
     steps.close()
     assert not list(state.places.pictures.glob("*"))
+
+
+def test_a_folder_that_vanishes_ends_the_export_with_the_next_frame(state: AppState, clip: Clip) -> None:
+    """As of a stick that is unplugged: also where the file is written at the end."""
+    write_png(clip.path / "0.png", clip.read_image(0), {})
+    state.enhancement.scope = "clip"
+    request = export_actions.export_request(state, "measures of both panes")
+    assert request is not None
+    request.folder.mkdir()
+    steps = export(request)
+    next(steps)
+    shutil.rmtree(request.folder)
+    with pytest.raises(UserError, match="expected the folder to stay") as caught:
+        next(steps)
+    export_actions.take_step(state, request, Failure(caught.value))
+    assert state.exports.under_way is None
+    assert state.window.banner is not None
+    assert state.window.banner.message.endswith(f"got it gone: {request.folder}")
 
 
 @pytest.mark.parametrize("what", ["video of both panes", "measures of both panes"])
