@@ -186,6 +186,7 @@ def _request_of(state: AppState, path: Path) -> OpenRequest:
 
 def _begin_opening(state: AppState, request: OpenRequest) -> None:
     state.source.opening, state.window.banner = request, None
+    state.live.choice.shown = False  # It would lie over what comes.
     state.live.stop_connecting()
 
 

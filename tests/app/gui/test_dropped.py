@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from app.gui.actions import actions, batch_actions
+from app.gui.actions import actions, batch_actions, live_actions
 from app.gui.state.app_state import AppState
 from app.gui.work.settings import Places, Settings
 
@@ -26,6 +26,14 @@ def test_all_that_is_dropped_joins_the_batch_that_is_gathered_and_else_the_first
     batch_actions.take_dropped(state, dropped)
     assert state.batches.inputs == tuple(dropped)
     assert state.source.opening is None
+
+
+def test_what_is_dropped_is_not_left_below_the_dialog_of_live_sources(places: Places, tmp_path: Path) -> None:
+    state = fresh(places)
+    live_actions.choose_source(state)
+    batch_actions.take_dropped(state, [tmp_path / "scope.mp4"])
+    assert state.source.opening is not None
+    assert not state.live.choice.shown
 
 
 def test_what_is_dropped_from_a_browser_is_told_from_a_file(places: Places, tmp_path: Path) -> None:
