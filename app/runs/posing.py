@@ -11,6 +11,7 @@ from app.runs.preparing import told_meanwhile
 from app.runs.run_folder import PosesRecord
 from renderer.camera_motion import POSES_MISSING, camera_motion, contradicted
 from renderer.clip import Clip
+from renderer.depth.clip_depth import why_not_by_motion
 from renderer.listing import count
 from renderer.poses.search import FoundPoses, PosesError, find_poses
 from renderer.poses.told_apart import TISSUE
@@ -64,7 +65,15 @@ def posed(clip: Clip, config: TrainConfig, start: int = 0) -> Generator[Preparin
 def unposed(clip: Clip, config: TrainConfig) -> Generator[Preparing, None, Posed]:
     """The clip with the cameras that it has, and what is said of them. Raises ClipError as `posed`."""
     moves = yield from told_meanwhile("checking for camera motion", lambda _: camera_motion(clip))
-    return Posed(clip, notices=(contradicted(moves),) if moves else (), omitted=left_out(clip, config, moves))
+    said = () if moves is None else (f"{contradicted(moves)}{_way_to_poses(clip)}",)
+    return Posed(clip, notices=said, omitted=left_out(clip, config, moves))
+
+
+def _way_to_poses(clip: Clip) -> str:
+    """What a person may do, as the end of a sentence; empty where nothing helps, or they are looked for."""
+    if may_be_posed(clip) or why_not_by_motion(clip):
+        return ""
+    return "; depth from motion finds them (--depth motion)"
 
 
 def left_out(clip: Clip, config: TrainConfig, moves: str | None) -> tuple[Omission, ...]:

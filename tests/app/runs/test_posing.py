@@ -12,9 +12,11 @@ from PIL import Image
 
 from app.commands.described.files import of_run
 from app.evaluation.evaluate import open_evaluation
+from app.files.stepping import run_to_end
 from app.gui.work.opening import OpenRequest, open_path
 from app.runs.clip_selection import ClipPart
 from app.runs.posing import through_found
+from app.runs.posing import unposed as without_poses
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import TrainRequest, run_training
 from app.runs.trained_clip import run_clip
@@ -24,6 +26,7 @@ from renderer.poses.rigid_motion import zoomed
 from renderer.poses.search import FoundPoses, PosesError
 from renderer.poses.told_apart import TISSUE
 from renderer.poses.zooming import ONE_LENS, Zoom
+from renderer.readers.clip_options import ClipOptions
 from renderer.readers.lenses.calibration import Calibration, FoundLens, LensCalibration
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
@@ -107,6 +110,19 @@ def test_a_run_that_began_without_poses_goes_on_without_whatever_is_found_by_now
     assert any("poses are missing" in event.message for event in told if isinstance(event, Warned))
     assert RunFolder(request.run_path).record() == record
     assert RunFolder(request.run_path).is_finished
+
+
+def test_where_the_camera_moves_and_depth_is_guessed_the_way_to_poses_is_said(unposed, monkeypatch):
+    monkeypatch.setattr("app.runs.posing.camera_motion", lambda _: "the background moves by 9 %")
+    said = {}
+    for depth in ("brightness", "measured"):
+        clip = open_clip(unposed, ClipOptions(depth=depth))
+        (said[depth],) = run_to_end(without_poses(clip, CONFIG)).notices
+    few = open_clip(unposed, ClipOptions(depth="brightness")).between(0, 2)
+    (short,) = run_to_end(without_poses(few, CONFIG)).notices
+    assert said["measured"].endswith("camera poses are missing")  # They are looked for next.
+    assert said["brightness"] == f"{said['measured']}; depth from motion finds them (--depth motion)"
+    assert short == said["measured"]
 
 
 def test_poses_can_be_refused_and_are_left_out_where_the_camera_is_fixed(unposed, tmp_path):
