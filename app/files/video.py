@@ -4,6 +4,7 @@ codecs by PyAV alone."""
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain, repeat
 from pathlib import Path
@@ -85,8 +86,11 @@ def write_frames(path: Path, frames: Iterator[ArrayImage], timing: Timing) -> Ge
                 writer.write(np.ascontiguousarray(frame[: size[1], : size[0]]), seconds)
                 yield done
             writer.finish()
-        finally:
-            writer.close()
+        except BaseException:
+            with suppress(OSError):  # It follows from what is told.
+                writer.close()
+            raise
+        writer.close()
     cut = f"the codec needs even sizes: {first.shape[1]}x{first.shape[0]} was cut to {size[0]}x{size[1]}"
     return Written(writer.encoding, (*((cut,) if size != first.shape[1::-1] else ()), *writer.notices))
 

@@ -13,7 +13,8 @@ from app.errors import UserError
 from app.files.timing import Timing
 from app.files.video import write_video
 
-COUNT = 50
+COUNT, GONE = 90, 70
+"""Frames, and that in which the folder is gone: the encoder has written some by then."""
 
 
 def test_a_video_ends_with_the_frame_in_which_its_folder_is_gone(tmp_path: Path) -> None:
@@ -22,7 +23,7 @@ def test_a_video_ends_with_the_frame_in_which_its_folder_is_gone(tmp_path: Path)
 
     def frames() -> Iterator[np.ndarray]:
         for index in range(COUNT):
-            if index == 3:
+            if index == GONE:
                 shutil.rmtree(folder)
             drawn.append(index)
             yield np.full((48, 64, 3), 2 * index, np.uint8)
@@ -32,5 +33,5 @@ def test_a_video_ends_with_the_frame_in_which_its_folder_is_gone(tmp_path: Path)
     assert str(caught.value) == (
         f"expected the folder to stay while a file is written into it, got it gone: {folder}"
     )
-    assert drawn == [0, 1, 2, 3]
+    assert drawn == [*range(GONE + 1)]
     assert not folder.exists()
