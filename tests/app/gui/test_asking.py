@@ -1,4 +1,4 @@
-"""Enter gives the safe reply to a question, and nothing below it stays in focus."""
+"""Questions: Enter gives the safe reply, nothing below stays in focus; an earlier session is offered."""
 
 from __future__ import annotations
 
@@ -52,3 +52,11 @@ def test_the_notice_is_understood(keys: Ui, state: AppState) -> None:
     state.settings = replace(state.settings, acknowledged=False)
     enter(keys, lambda: overlays.draw_notice(state))
     assert state.settings.acknowledged
+
+
+def test_an_earlier_session_is_offered_where_there_is_one(ui: Ui, state: AppState, tmp_path: Path) -> None:
+    for found in (None, tmp_path / "autosave-1.vesselsplat"):
+        state.session.recoverable = found
+        ui.frame(lambda: overlays.draw_recovery(state))
+        offer = imgui.internal.find_window_by_name(overlays.OFFER)
+        assert (offer is not None and offer.active) == (found is not None)

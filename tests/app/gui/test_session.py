@@ -29,7 +29,6 @@ from app.gui.actions import (
     session_actions,
 )
 from app.gui.actions.session_actions import snapshot
-from app.gui.panels.overlays import OFFER, draw_recovery
 from app.gui.session_file import (
     Choice,
     KeptSettings,
@@ -63,7 +62,6 @@ from tests.app.gui.driver import Driver, is_settled, wait
 from tests.app.gui.kept_session import places_in
 from tests.app.gui.settling import served
 from tests.app.gui.test_opening import make_run
-from tests.app.gui.ui import Ui
 
 
 def turn(state: AppState, channels: Channels, seconds: float = 2.0) -> None:
@@ -361,14 +359,6 @@ def test_a_frame_beyond_the_clip_is_its_last(places: Places, clip_path: Path) ->
     session_actions.restore(state, Session(frame=999, frozen=999))
     assert state.source.clip is not None
     assert state.timeline.frame_index == state.timeline.frozen_index == len(state.source.clip) - 1
-
-
-def test_an_earlier_session_is_offered_where_there_is_one(ui: Ui, state: AppState, tmp_path: Path) -> None:
-    for found in (None, tmp_path / "autosave-1.vesselsplat"):
-        state.session.recoverable = found
-        ui.frame(lambda: draw_recovery(state))
-        offer = imgui.internal.find_window_by_name(OFFER)
-        assert (offer is not None and offer.active) == (found is not None)
 
 
 @pytest.mark.display

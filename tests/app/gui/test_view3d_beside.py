@@ -1,4 +1,5 @@
-"""The 3D view beside what it is not of: another clip than the open one, a tap that comes from afar."""
+"""The 3D view beside what it is not of: another clip than the open one, a tap that comes from afar, a run
+that has shown nothing yet."""
 
 from __future__ import annotations
 
@@ -9,6 +10,7 @@ import pytest
 
 from app.exports.records import PanesPicture
 from app.gui.actions import actions, export_actions, job_actions
+from app.gui.panels import view3d as view3d_panel
 from app.gui.state.app_state import AppState
 from app.gui.state.tags import Tag
 from app.gui.state.view_words import view_tags
@@ -16,6 +18,7 @@ from app.gui.views.measurement import Located, Measurement
 from app.scenes.records import ClipSource
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
+from renderer.train.events import Preparing
 from tests.app.gui.conftest import start_live
 from tests.app.gui.ui import Draw, Ui, view3d
 
@@ -92,3 +95,14 @@ def test_another_clip_than_the_open_one_is_named_and_keeps_its_own_time(
     assert [str(view.caption).split("\n")[0] for view in request.record.views] == [
         f"OF ANOTHER CLIP: {clip.name}"
     ]
+
+
+def test_an_empty_view_says_what_it_waits_for(
+    ui: Ui, opened: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The panel that says so, too, is small and at the side."""
+    run, said = opened.runs.reconstruction, list[str]()
+    run.status, run.preparing = "starting", Preparing("reading frames", 12, 54, 3.0, None)
+    monkeypatch.setattr(view3d_panel, "centered", said.append)
+    ui.frame(lambda: view3d(opened))
+    assert said[-1] == "Reading frames · 12 of 54"

@@ -20,7 +20,6 @@ from app.gui.actions import (
     path_actions,
 )
 from app.gui.drawing.viewport import OnScreen
-from app.gui.panels import view3d as view3d_panel
 from app.gui.panels.scene_marks import Sight
 from app.gui.panels.view3d import draw_view3d
 from app.gui.state.app_state import AppState
@@ -38,7 +37,6 @@ from app.scenes.view_request import read_frame
 from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
 from renderer.readers.lenses.calibration import Calibration, FoundLens, LensCalibration
-from renderer.train.events import Preparing
 from renderer.unobserved import GREY
 from tests.app.gui.conftest import start_live
 from tests.app.gui.exporting import Exporter
@@ -389,14 +387,3 @@ def test_a_reconstruction_says_from_which_frames(places: Places, runs: dict[str,
     assert isinstance(request.record, PanesPicture)
     assert (request.record.views[0].caption or "").endswith(f"from {frames}")
     assert request.record.panes[0].title.endswith(f"from {frames}")
-
-
-def test_an_empty_view_says_what_it_waits_for(
-    ui: Ui, opened: AppState, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The panel that says so, too, is small and at the side."""
-    run, said = opened.runs.reconstruction, list[str]()
-    run.status, run.preparing = "starting", Preparing("reading frames", 12, 54, 3.0, None)
-    monkeypatch.setattr(view3d_panel, "centered", said.append)
-    ui.frame(lambda: view3d(opened))
-    assert said[-1] == "Reading frames · 12 of 54"
