@@ -13,6 +13,14 @@ SAMPLES: Final = 1024
 """Evenly spread places at least that tell, where there are so many."""
 CLIPPED: Final = 250 / 255
 """From here on red and green may be cut off: where both are, nothing tells how much redder it was."""
+Bounds = tuple[float, float]
+GREY: Final[Bounds] = (0.0, 0.15)
+"""Natural logarithm of red over green: up to the first a place is grey, from the second on it is not."""
+TINGED: Final[Bounds] = (0.12, 0.2)
+"""The same of what is grey but for red light from around, as metal beside tissue: at .2, vessels of white
+tissue begin (on training frames and the half that `visibility_front` calls chosen)."""
+PALE_IMAGE, RED_IMAGE = 0.18, 0.26
+"""Redness of an image, up to which vessels may be as pale as such metal, and from which on they are not."""
 
 
 class Reds(NamedTuple):
@@ -67,3 +75,10 @@ def blood_share(redness: float | None, least: float) -> float:
     if redness is None or least == 0:
         return 1.0
     return min(max(2 * redness / least - 1, 0.0), 1.0)
+
+
+def grey_of(redness: float, tinged: float) -> Bounds:
+    """What is grey in an image so red: GREY, or by `tinged`, in [0, 1], up to TINGED where it is red."""
+    share = tinged * min(max((redness - PALE_IMAGE) / (RED_IMAGE - PALE_IMAGE), 0.0), 1.0)
+    low, high = (grey + share * (other - grey) for grey, other in zip(GREY, TINGED, strict=True))
+    return low, high

@@ -20,8 +20,9 @@ BESIDE: Final = 6
 
 
 def extremes(image: NDArray[np.uint8]) -> Iterator[Row]:
-    """Of colour, then of contrast; `image` (H, W, 3) is red tissue."""
+    """Of colour, of metal, then of contrast; `image` (H, W, 3) is red tissue."""
     yield from _hues(image)
+    yield from _metals()
     yield from _contrasts(image)
 
 
@@ -41,6 +42,26 @@ def _hues(image: NDArray[np.uint8]) -> Iterator[Row]:
     ]
     jump = 255 * float(np.abs(np.diff(np.stack(steps), axis=0)).max())
     yield Row(hazard, "redness that falls, largest step in 60", jump, 4)
+
+
+def _metals() -> Iterator[Row]:
+    """A line of metal in red tissue, faintly red by it, is left as it is, and one of blood is not; as images
+    grow pale, it is darkened without a jump."""
+    hazard, image = "metal of vessel", np.broadcast_to(np.array((0.9, 0.6, 0.5), np.float32), (64, 160, 3))
+    image = image * np.linspace(0.9, 1.05, 64, dtype=np.float32)[:, None, None]
+    image[:, 40:50] *= np.array((0.78, 0.53, 0.6), np.float32)
+    image[:, 110:120] = np.array((0.36, 0.32, 0.31), np.float32)
+    plain, own = (enhance_vessels(image, replace(VESSEL, strength=k)).image for k in (0.0, VESSEL.strength))
+    taken = 1 - (own[:, :, 1] / plain[:, :, 1]).mean(axis=0, dtype=np.float64)
+    yield Row(hazard, "metal, taken", float(taken[112:118].max()), 0.01, "of 1")
+    yield Row(hazard, "blood, left", float(1 - taken[42:48].min()), 0.7, "of 1")
+    known = measure([image])
+    steps = [
+        enhance_vessels(image, statistics=replace(known, redness=redness)).image
+        for redness in np.linspace(0.17, 0.27, 41).tolist()
+    ]
+    jump = 255 * float(np.abs(np.diff(np.stack(steps), axis=0)).max())
+    yield Row(hazard, "redness that falls, largest step in 40", jump, 4)
 
 
 def _contrasts(image: NDArray[np.uint8]) -> Iterator[Row]:

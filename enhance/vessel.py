@@ -26,14 +26,21 @@ from enhance.field import Spans
 from enhance.image import AnyImage, Float32Image, ImageError
 from enhance.params import DFactor, EnhanceParams
 from enhance.pixel_block import BINS
-from enhance.redness import blood_share
+from enhance.redness import blood_share, grey_of
 from enhance.result import EnhanceResult
 from enhance.rows import sums_of
 from enhance.saturation import pull
 from enhance.shown import Pixels, Shown
 from enhance.statistics import LiveStatistics, Statistics, from_sums, require_classes
 from enhance.stream import Stream
-from enhance.vessel_density import background, blood_density, middle_absorbed, middle_density
+from enhance.vessel_density import (
+    NOTHING,
+    Spared,
+    background,
+    blood_density,
+    middle_absorbed,
+    middle_density,
+)
 from enhance.vessel_first_pass import SUBSAMPLE, TASK, first_pass
 from enhance.vessel_second_pass import ABSORPTION, second_pass
 
@@ -71,9 +78,9 @@ class VesselParams:
     least_redness: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.2
     """In images less red than this, such as grey ones, vessels are darkened in their own hue, not reddened: 0
     reddens them in all."""
-    spare_grey: Annotated[float, Interval(ge=0.0, le=1.0)] = 1.0
+    spare_grey: Annotated[float, Interval(ge=0.0, le=2.0)] = 2.0
     """How far what is grey in red images, as text and metal, is left out of what is darkened and reddened: 0
-    is off."""
+    is off; above 1, what is faintly red, as metal beside tissue, is left out, too."""
     color_smoothing: Annotated[float, Interval(ge=0.0, le=1.0)] = 1.0
     """How much of the coarse noise of colour, as from cheap cameras, is smoothed away in images that have it:
     0 is off."""
@@ -111,8 +118,8 @@ def enhance_vessels(
        morphological opening, of radius `radius`) of `shading` log R - log G. Slow shading falls out, of
        steps between tissues little is left, and reflections count as what surrounds them. R, G and B are
        attenuated by it as haemoglobin does. Nothing gets brighter, so nothing saturates. In images as red as
-       tissue in white light, what is grey, as text and metal, is left out by `spare_grey`. By `contrast`, all
-       that absorbs more than the image's median counts, too, wide areas, shadows and tools as well.
+       tissue in white light, what is grey or faintly red, as text and metal, is left out by `spare_grey`. By
+       `contrast`, all that absorbs more than the image's median counts, too, wide areas, shadows and tools.
     5. The less red exceeds green in an image, from `least_redness` of its brightness on down to half of that,
        the more of this darkness is that of G alone, and the more are R, G and B attenuated alike, by the mean
        of what blood absorbs, and twice the noise left out: no hue is invented in images that are nearly
@@ -305,8 +312,8 @@ def _drawn(params: VesselParams, used: Statistics, found: _Found, ground: _Groun
     planes, middle = (found.absorbed, found.bright), 0.0
     if params.contrast > 0:
         middle = middle_absorbed(*planes, view.shading, now.spans, now.keep)
-    of_all = params.contrast, middle, view.shading, _spared(now, params, used.redness)
-    density = blood_density(*planes, ground.opened, ground.radius, noise, *of_all)
+    of_all, spared = (params.contrast, middle, view.shading), _spared(now, params, used.redness)
+    density = blood_density(*planes, ground.opened, ground.radius, noise, *of_all, spared)
     out = np.empty_like(now.pixels)
     second_pass(
         now.pixels,
@@ -328,12 +335,13 @@ def _drawn(params: VesselParams, used: Statistics, found: _Found, ground: _Groun
     return now.finished(out)
 
 
-def _spared(now: Shown, params: VesselParams, redness: float | None) -> float:
-    """Share of the density that is left out of what is grey: none in images that are hardly red, or not known
-    to be, whatever `least_redness` is; their vessels would be lost."""
+def _spared(now: Shown, params: VesselParams, redness: float | None) -> Spared:
+    """Nothing in images that are hardly red, or not known to be, whatever `least_redness` is; their vessels
+    would be lost."""
     if now.is_grey or redness is None:
-        return 0.0
-    return params.spare_grey * blood_share(redness, VESSEL.least_redness)
+        return NOTHING
+    share = min(params.spare_grey, 1.0) * blood_share(redness, VESSEL.least_redness)
+    return Spared(share, grey_of(redness, max(params.spare_grey - 1, 0.0)))
 
 
 def _view(

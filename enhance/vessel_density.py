@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
 import cv2
 import numpy as np
@@ -16,6 +16,7 @@ from enhance.image import Float32Image
 from enhance.part import part
 from enhance.pixel_block import ONE, TWO, ZERO
 from enhance.powers import LN_2, LOG2_E, brief_exp2, brief_log2
+from enhance.redness import GREY, Bounds
 from enhance.reflections import COLORLESS, without_reflections
 from enhance.upscale import at_places, bring_up
 from enhance.vessel_curves import faded
@@ -26,8 +27,6 @@ BOUND = np.float32(0.5)
 """On the density that is found, a natural logarithm: at strength 1, green falls to 61 % at most."""
 KNEE = np.float32(0.1)
 """Natural logarithm beyond the image's median up to which little counts."""
-GREY: Final = (np.float32(0.0), np.float32(0.15))
-"""Natural logarithm of red over green: up to the first it is grey, from the second on it is not."""
 LEAST_WEIGHT: Final = 0.05
 """Of a place without colour, where one of colour has 1 more."""
 SAMPLES: Final = 1 << 12
@@ -35,6 +34,17 @@ SAMPLES: Final = 1 << 12
 STRIP: Final = 32
 """Rows of one task."""
 LEAST_SQUARE = np.float32(1e-12)
+
+
+class Spared(NamedTuple):
+    """How much of the density is left out of what is grey."""
+
+    share: float
+    """Of what is wholly so."""
+    grey: Bounds
+
+
+NOTHING: Final = Spared(0.0, GREY)
 
 
 def background(absorbed: Float32Image, value: Float32Image, radius: int) -> Float32Image:
@@ -95,17 +105,18 @@ def blood_density(
     contrast: float = 0.0,
     middle: float = 0.0,
     shading: float = 0.0,
-    spared: float = 0.0,
+    spared: Spared = NOTHING,
 ) -> Float32Image:
     """(h, w) in [0, BOUND]: what stands out from the background, hardly so what is weaker than the noise.
 
-    It fades where V on the same grid is dark, beside bright letters too; what is grey keeps 1 - `spared` of
-    it, where `shading` is that of `absorbed`. To it comes what is absorbed beyond `middle`, however wide, x:
-    `contrast` x^2 / (x^2 + x + KNEE). Of each place alone, it makes no halo.
+    It fades where V on the same grid is dark, beside bright letters too; what is grey is left out by
+    `spared`, where `shading` is that of `absorbed`. To it comes what is absorbed beyond `middle`, however
+    wide, x: `contrast` x^2 / (x^2 + x + KNEE). Of each place alone, it makes no halo.
     """
     density, grid = np.empty_like(absorbed), morphology.step_of(radius) // SUBSAMPLE
-    of_all = np.float32(contrast), np.float32(middle), np.float32(shading), np.float32(spared)
-    _stand_out(absorbed, value, opened[None], grid, np.float32(noise), *of_all, density)
+    of_all = np.float32(contrast), np.float32(middle), np.float32(shading), np.float32(spared.share)
+    low, high = np.float32(spared.grey[0]), np.float32(spared.grey[1])
+    _stand_out(absorbed, value, opened[None], grid, np.float32(noise), *of_all, low, high, density)
     return density
 
 
@@ -148,6 +159,8 @@ def _stand_out(
     middle: np.float32,
     shading: np.float32,
     spared: np.float32,
+    low: np.float32,
+    high: np.float32,
     density: NDArray[np.float32],  # (h, w), out
 ) -> None:
     rows, columns = absorbed.shape
@@ -158,7 +171,7 @@ def _stand_out(
             weight = bring_up(opened, y, grid, lines, held)
             _core(absorbed[y], value[y], lines[0, 0], lines[1, 0], weight, noise, density[y])
             if spared > ZERO:
-                _spare_grey(absorbed[y], value[y], ONE - shading, spared, density[y])
+                _spare_grey(absorbed[y], value[y], ONE - shading, spared, low, high, density[y])
             if contrast > ZERO:
                 _add_all(absorbed[y], contrast, middle, density[y])
 
@@ -203,12 +216,13 @@ def _spare_grey(
     value: NDArray[np.float32],
     rest: np.float32,
     spared: np.float32,
+    low: np.float32,
+    high: np.float32,
     density: NDArray[np.float32],
 ) -> None:
     """Less of it where red hardly exceeds green. V is red where that is largest: `rest` of its logarithm is
     what `absorbed` lacks of log red - log green."""
     wide_vectors()
-    low, high = GREY
     for i in range(len(density)):
         red = absorbed[i] + rest * LN_2 * brief_log2(value[i] + FLOOR)
         grey = (high - red) * (ONE / (high - low))

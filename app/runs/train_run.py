@@ -354,8 +354,10 @@ def _check_same(request: TrainRequest, record: RunRecord, whole: Clip) -> None:
         asked |= {"preset": preset_of(request.enhance_params)} | vars(request.enhance_params)
         measured = record.enhancement.statistics
         known = {"most_exposure": measured.bright_level, "least_redness": measured.redness}
-        known |= {"color_smoothing": measured.color_noise, "spare_grey": began.get("spare_grey") or None}
+        known |= {"color_smoothing": measured.color_noise}
         before = {name for name, value in known.items() if value is None}  # There was no such thing.
+        if asked.get("spare_grey") == VesselParams().spare_grey and began.get("spare_grey") in (0.0, 1.0):
+            before.add("spare_grey")  # That was the default: before 0.14.0, then in it.
         asked |= {name: began[name] for name in asked.keys() & began.keys() & before}
     for found in ("field_of_view", "bits", "alpha", "tools", "burned_in", "tool_masks"):
         if asked[found] is None:  # Nobody asks for it.

@@ -11,8 +11,9 @@ import pytest
 from numpy.typing import NDArray
 
 from enhance import enhance_vessels
+from enhance.redness import GREY, PALE_IMAGE, RED_IMAGE, TINGED, grey_of
 from enhance.vessel import VESSEL, VesselParams
-from enhance.vessel_density import GREY, blood_density
+from enhance.vessel_density import Spared, blood_density
 from enhance.vessel_first_pass import FLOOR
 from tests.enhance.pictures import vessels
 from tests.enhance.test_redness import HUES
@@ -32,6 +33,13 @@ def lined() -> NDArray[np.float64]:
     image[:, GREY_ONE - 5 : GREY_ONE + 5] = 0.32, 0.32, 0.32
     # Unevenly lit: what is flat around what is not would count as the surround of fields of view.
     return image * np.linspace(0.9, 1.05, 120)[:, None, None]
+
+
+def tinged(light: float) -> NDArray[np.float64]:
+    """The same, its grey line as red as metal beside tissue is: a logarithm of red over green of 0.12."""
+    image = lined()
+    image[:, GREY_ONE - 5 : GREY_ONE + 5, 0] *= np.exp(0.12)
+    return image * light
 
 
 def test_a_grey_line_has_less_than_a_tenth_of_the_density_of_a_red_one() -> None:
@@ -56,24 +64,47 @@ def test_kernels_agree_with_the_plain_reading_of_grey_lines(light: float) -> Non
     image = np.rint(255 * light * lined()).astype(np.uint8)
     for params in (VESSEL, replace(PLAIN, contrast=1), replace(PLAIN, contrast=1, spare_grey=0.5)):
         assert apart(image, params).max() <= 1.01
+    image = np.rint(255 * tinged(light)).astype(np.uint8)
+    for spare_grey in (1.0, 1.5, 2.0):
+        assert apart(image, replace(PLAIN, spare_grey=spare_grey)).max() <= 1.01
     assert not np.array_equal(enhance_vessels(image).image, enhance_vessels(image, WITHOUT).image)
 
 
-def test_it_sets_in_without_a_step_and_never_turns_back() -> None:
+def test_a_line_as_red_as_metal_beside_tissue_is_left_out_above_1_alone() -> None:
+    found = [density(tinged(1.0), replace(PLAIN, spare_grey=k))[60] for k in (0.0, 1.0, 1.5, 2.0)]
+    left = [one[GREY_ONE] / found[0][GREY_ONE] for one in found]
+    assert left[1] > 0.6
+    assert left[1] - 0.2 > left[2] > left[3] + 0.2
+    assert left[3] < 0.15
+    for one in found:
+        assert one[RED] == pytest.approx(found[0][RED], abs=1e-6)
+
+
+def test_up_to_1_grey_is_what_it_was_and_in_pale_images_all_the_way() -> None:
+    assert grey_of(0.5, 0.0) == grey_of(PALE_IMAGE, 1.0) == GREY
+    assert grey_of(RED_IMAGE, 1.0) == grey_of(0.7, 1.0) == pytest.approx(TINGED)
+    bounds = np.array([grey_of(redness, 1.0) for redness in np.linspace(0, 1, 1001)])
+    steps = np.diff(bounds, axis=0)
+    assert 0 <= steps.min() <= steps.max() < 0.003
+
+
+@pytest.mark.parametrize("bounds", [GREY, TINGED])
+def test_it_sets_in_without_a_step_and_never_turns_back(bounds: tuple[float, float]) -> None:
     """Of redness alone, whatever the brightness: none up to the first bound, all from the second on."""
     red = np.linspace(-0.1, 0.35, 451, dtype=np.float32)
     value = np.array([[0.4], [0.7], [1.0], [3.0]], np.float32)
     absorbed = red - np.float32(0.7) * np.log(value + FLOOR)
     planes = absorbed, np.broadcast_to(value, absorbed.shape).copy(), np.full_like(absorbed, -2)
-    own, half, whole = (blood_density(*planes, 2, 0.0, 0.0, 0.0, 0.3, k) for k in (1.0, 0.5, 0.0))
-    low, high = GREY
+    spared = [Spared(k, bounds) for k in (1.0, 0.5, 0.0)]
+    own, half, whole = (blood_density(*planes, 2, 0.0, 0.0, 0.0, 0.3, one) for one in spared)
+    low, high = bounds
     kept = np.clip((red.astype(float) - low) / (high - low), 0, 1)
     assert whole.min() > 0.4
     np.testing.assert_allclose(own / whole, np.broadcast_to(kept, own.shape), atol=1e-4)
     np.testing.assert_allclose(half, (own + whole) / 2, rtol=1e-5)
     rise = np.diff(own / whole, axis=1)
     assert rise.min() > -1e-5
-    assert rise.max() < 0.01
+    assert rise.max() < 1.1 * 0.001 / (high - low)
 
 
 GREYS = {
@@ -87,14 +118,16 @@ def test_images_that_are_grey_or_hardly_red_are_as_without(name: str) -> None:
     """Whatever is reddened there."""
     image: NDArray[Any] = (HUES | GREYS)[name]
     for params in (VESSEL, replace(VESSEL, least_redness=0.0), replace(VESSEL, contrast=1.0)):
-        own, without = (enhance_vessels(image, replace(params, spare_grey=k)).image for k in (1.0, 0.0))
+        own, without = (enhance_vessels(image, replace(params, spare_grey=k)).image for k in (2.0, 0.0))
         assert np.array_equal(own, without)
 
 
 def test_more_of_it_never_darkens_more() -> None:
-    image = np.rint(255 * lined()).astype(np.uint8)
+    image = np.rint(255 * tinged(1.0)).astype(np.uint8)
     params = replace(PLAIN, contrast=1, strength=4)
-    steps = [enhance_vessels(image, replace(params, spare_grey=k)).image for k in (0.0, 0.3, 0.6, 1.0)]
+    steps = [
+        enhance_vessels(image, replace(params, spare_grey=k)).image for k in (0.0, 0.3, 0.6, 1.0, 1.5, 2.0)
+    ]
     for less, more in pairwise(steps):
         assert (more >= less).all()
     assert (steps[-1] > steps[0])[60, GREY_ONE].all()

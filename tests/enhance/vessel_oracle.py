@@ -79,9 +79,9 @@ def vessels_of(
     colored = _colored(tones, toned.statistics.saturation_mean, params)
     exposed = [plane * np.float32(times) for plane in planes]
     is_colored = len(planes) == 3 and red is not None
-    spared = params.spare_grey * _share_of_blood(red, 0.2) if is_colored else 0.0
-    params = replace(params, spare_grey=spared)
-    density = _density(exposed, bright * np.float32(times), params, keep, share)
+    spared = min(params.spare_grey, 1.0) * _share_of_blood(red, 0.2) if is_colored else 0.0
+    grey, params = _grey_of(red, params.spare_grey), replace(params, spare_grey=spared)
+    density = _density(exposed, bright * np.float32(times), params, keep, share, grey)
     taken = [share * np.exp(-one * density) + (1 - share) * np.exp(-density) for one in ABSORPTION]
     result = _merged([plane * left for plane, left in zip(colored, taken, strict=False)])
     result[~inside] = colors[~inside]
@@ -108,11 +108,17 @@ def without_blotches(pixels: NDArray[Any], spans: Spans, share: float) -> NDArra
 
 
 def _density(
-    planes: Planes, bright: Float32Image, params: VesselParams, keep: BoolImage, share: float
+    planes: Planes,
+    bright: Float32Image,
+    params: VesselParams,
+    keep: BoolImage,
+    share: float,
+    grey: tuple[float, float],
 ) -> Float32Image:
     """Times the strength, which is 0.65 where blood has none of its colour."""
     less = 0.0 if len(planes) == 1 else 1 - share
-    found = blood_density(planes, bright, replace(params, shading=share * params.shading), keep, 1 + less)
+    shaded = replace(params, shading=share * params.shading)
+    found = blood_density(planes, bright, shaded, keep, grey, 1 + less)
     return np.asarray(np.float32(params.strength * (1 - 0.35 * less)) * found)
 
 
@@ -132,6 +138,13 @@ def _share_of_blood(red: float | None, least: float) -> float:
     if red is None or red >= least:
         return 1.0
     return 0.0 if red <= least / 2 else (red - least / 2) / (least / 2)
+
+
+def _grey_of(red: float | None, spare_grey: float) -> tuple[float, float]:
+    """Logarithm of red over green up to which a place is grey, and from which on it is not: 0 and 0.15, or up
+    to 0.12 and 0.2 in images whose redness is 0.26, by what exceeds 1."""
+    beyond = max(spare_grey - 1, 0) * min(max(((red or 0.0) - 0.18) / 0.08, 0.0), 1.0)
+    return 0.12 * beyond, 0.15 + 0.05 * beyond
 
 
 def _bright_level(bright: Float32Image) -> float:
@@ -159,7 +172,12 @@ def _exposed(calm: Planes, times: float, z: float) -> Planes:
 
 
 def blood_density(
-    planes: Planes, bright: Float32Image, params: VesselParams, keep: BoolImage, noisier: float = 1.0
+    planes: Planes,
+    bright: Float32Image,
+    params: VesselParams,
+    keep: BoolImage,
+    grey: tuple[float, float],
+    noisier: float = 1.0,
 ) -> Float32Image:
     """Optical density of narrow dark structures in green, (H, W) in [0, 0.5], of grey ones
     1 - `spare_grey` of it; by `contrast`, of all.
@@ -172,6 +190,7 @@ def blood_density(
         planes: R, G and B, or a single grey, (H, W) in [0, 1].
         bright: (H, W) calm V, which tells reflections, and darkness, where density fades.
         keep: (H, W), True = its median density is noise.
+        grey: logarithm of red over green up to which it is grey, and from which on it is not.
         noisier: so many times more counts as noise.
     """
     logs = [np.log(_blocks(_smooth(plane, SOFT), GRID) + FLOOR) for plane in planes[:2]]
@@ -185,7 +204,7 @@ def blood_density(
     density = _fade(_blocks(bright, GRID)) * MOST * np.tanh(cored / MOST)
     if len(planes) > 1:
         red = absorbed + np.float32(1 - params.shading) * np.log(_blocks(bright, GRID) + FLOOR)
-        density *= 1 - np.float32(params.spare_grey) * (1 - np.clip(red / 0.15, 0, 1))
+        density *= 1 - np.float32(params.spare_grey) * (1 - _rise(red, grey))
     seen, lit = (one[::apart, ::apart][keep[::apart, ::apart]] for one in (absorbed, _blocks(bright, GRID)))
     beyond = np.maximum(absorbed - _middle(seen, lit, 0.0 if len(planes) == 1 else params.shading), 0)
     density += np.float32(params.contrast) * beyond**2 / (beyond**2 + beyond + np.float32(0.1))
@@ -227,7 +246,7 @@ def filled(absorbed: Float32Image, value: Float32Image, radius: int) -> Float32I
     return np.asarray(absorbed + (1 - seen) * np.maximum(around - absorbed, 0), np.float32)
 
 
-def _rise(values: Float32Image, bounds: tuple[np.float32, np.float32]) -> Float32Image:
+def _rise(values: Float32Image, bounds: tuple[float, float]) -> Float32Image:
     low, high = bounds
     return np.asarray(np.clip((values - low) / (high - low), 0, 1), np.float32)
 

@@ -37,6 +37,7 @@ def test_records_of_before_are_enhanced_as_they_were() -> None:
         before = {name: value for name, value in now.items() if name != since}
         assert read(before) == VesselParams(lift=0.3, **{since: off})
     assert read(now) == read(VesselParams(lift=0.3)) == VesselParams(lift=0.3)
+    assert read(now | {"spare_grey": 1.0}) == VesselParams(lift=0.3, spare_grey=1.0)
 
 
 @pytest.mark.parametrize(

@@ -223,3 +223,17 @@ def test_a_run_that_began_before_a_parameter_was_there_resumes(
         list(run_training(replace(again, enhance_params=VesselParams(lift=0.5))))
     *_, finished = run_training(again)
     assert isinstance(finished, Finished)
+
+
+def test_a_run_that_began_when_grey_was_spared_by_1_at_most_resumes(clip_path: Path, tmp_path: Path) -> None:
+    run = RunFolder(tmp_path / "run")
+    asked = request_of(clip_path, run.path, config=replace(CONFIG, iterations=60), input="enhanced")
+    steps = run_training(replace(asked, enhance_params=VesselParams(spare_grey=1.0)))
+    next(event for event in steps if isinstance(event, Progress))
+    steps.close()
+    again = replace(asked, resume=True, enhance_params=VesselParams())
+    with pytest.raises(UserError, match="the run's spare_grey"):
+        list(run_training(replace(again, enhance_params=VesselParams(spare_grey=0.5))))
+    *_, finished = run_training(again)
+    assert isinstance(finished, Finished)
+    assert json.loads((run.path / "run.json").read_text())["enhancement"]["params"]["spare_grey"] == 1.0

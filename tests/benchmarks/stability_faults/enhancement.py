@@ -12,6 +12,7 @@ KERNELS, FILTER, FIRST_PASS = "enhance.second_pass", "enhance.guided_filter", "e
 RECOLOR, ROWS = "enhance.recolor", "enhance.window_rows"
 ENHANCER, SURVEY, POWERS = "enhance.enhancer", "enhance.survey", "enhance.powers"
 REDNESS = "enhance.redness"
+DENSITY = "enhance.vessel_density"
 
 
 def parts_of(*names: str) -> tuple[str, ...]:
@@ -260,9 +261,22 @@ def _hues() -> list[Fault]:
     ]
 
 
+def _metals() -> list[Fault]:
+    def edit(kind: Kind, what: str, module: str, old: str, new: str) -> Fault:
+        return edit_of("edges", kind, f"metal, {what}", module, old, new, "vessel")
+
+    rising = "min(max((redness - PALE_IMAGE) / (RED_IMAGE - PALE_IMAGE), 0.0), 1.0)"
+    return [
+        edit("dropped", "what is faintly red is no metal", REDNESS, rising, "0.0"),
+        edit("other", "a jump as images grow pale", REDNESS, rising, "float(redness >= RED_IMAGE)"),
+        edit("sign", "blood is left out, not metal", DENSITY, "grey = (high - red)", "grey = (red - low)"),
+        edit("swapped", "the bounds", DENSITY, "red) * (ONE / (high - low))", "red) * (ONE / (low - high))"),
+    ]
+
+
 def _contrasts() -> list[Fault]:
     def edit(kind: Kind, what: str, old: str, new: str) -> Fault:
-        return edit_of("edges", kind, f"contrast, {what}", "enhance.vessel_density", old, new, "vessel")
+        return edit_of("edges", kind, f"contrast, {what}", DENSITY, old, new, "vessel")
 
     return [
         edit("guard", "what is bright counts, too", "beyond = beyond if beyond > ZERO else ZERO", ""),
@@ -276,5 +290,6 @@ def _contrasts() -> list[Fault]:
 
 
 FAULTS: tuple[Fault, ...] = (
-    *_statistics(), *_jumps(), *_first_pass(), *_filters(), *_noise_gains(), *_hues(), *_contrasts(),
+    *_statistics(), *_jumps(), *_first_pass(), *_filters(), *_noise_gains(), *_hues(), *_metals(),
+    *_contrasts(),
 )  # fmt: skip
