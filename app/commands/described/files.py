@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -46,11 +46,7 @@ def of_run(path: Path) -> Facts:
     clip, config = record.clip, record.config
     there = Path(clip.path).exists()
     told = {event["event"]: event for event in events}
-    done = told.get("Finished", told.get("Progress", {})).get("iteration", 0)
     state = "finished" if run.is_finished else "being trained" if holder(path) else "not finished"
-    counted = (told.get(name, {}).get("n_gaussians") for name in ("Finished", "Progress", "Started"))
-    size = next(filter(None, counted), None)
-    wanted = told.get("Started", {}).get("iterations", config.iterations)
     steps_of = told.get("Finished", told.get("Progress", {})).get("seconds")
     quality = told.get("Evaluated", {}).get("psnr")
     facts = [
@@ -70,8 +66,7 @@ def of_run(path: Path) -> Facts:
             f"{config.method}, {record.input} frames, on {record.device}",
             {"method": config.method, "input": record.input, "device": record.device},
         ),
-        Fact("iterations", f"{done} of {wanted}", {"done": done, "wanted": wanted}),
-        Fact("model", count(size, "Gaussian") if size else "none yet", {"gaussians": size}),
+        *_so_far(told, config.iterations),
         *_time(steps_of, run.wall_seconds()),
         Fact("unit", clip.unit),
         *_lens(clip.options.calibration),
@@ -85,6 +80,18 @@ def of_run(path: Path) -> Facts:
         facts.append(Fact("edits", "edited in the app", True))
     facts += notices([event["message"] for event in events if event["event"] == "Warned"])
     return (*facts, next_steps(path, *_steps(state, clip.path if there else None)))
+
+
+def _so_far(told: Mapping[str, Mapping[str, Any]], asked: int) -> Facts:
+    """Steps that are done, and the model that they gave, by the last event of each kind."""
+    done = told.get("Finished", told.get("Progress", {})).get("iteration", 0)
+    wanted = told.get("Started", {}).get("iterations", asked)
+    counted = (told.get(name, {}).get("n_gaussians") for name in ("Finished", "Progress", "Started"))
+    size = next(filter(None, counted), None)
+    return (
+        Fact("iterations", f"{done} of {wanted}", {"done": done, "wanted": wanted}),
+        Fact("model", count(size, "Gaussian") if size else "none yet", {"gaussians": size}),
+    )
 
 
 def _steps(state: str, clip: str | None) -> list[tuple[str, ...]]:
