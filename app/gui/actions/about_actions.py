@@ -12,5 +12,5 @@ def take_about(state: AppState, request: str, about: About) -> None:
 
 
 def open_log_folder(state: AppState) -> None:
-    """By the desktop's own program."""
+    """Show the folder of the log in the desktop's file manager."""
     state.window.wishes += (RevealRequest(state.places.logs),)

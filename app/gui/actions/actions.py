@@ -24,7 +24,7 @@ log = logging.getLogger(__name__)
 
 
 def say(state: AppState, line: str) -> None:
-    """A line for the log panel."""
+    """Add a line to the log panel."""
     state.window.log.append(legible(line))
 
 
@@ -36,12 +36,12 @@ def fail(state: AppState, sentence: str) -> None:
 
 
 def dismiss(state: AppState) -> None:
-    """What went wrong has been read."""
+    """Take away the error that is shown: it has been read."""
     state.window.banner = None
 
 
 def show_help(state: AppState, shown: bool) -> None:
-    """Every key and gesture."""
+    """Show or hide the list of every key and gesture."""
     state.window.help_open = shown
 
 
@@ -61,17 +61,17 @@ def choose_theme(state: AppState, theme: Theme) -> None:
 
 
 def choose_background(state: AppState, name: BackgroundName) -> None:
-    """Of reconstructions, where nothing was observed."""
+    """Choose what reconstructions show where nothing was observed."""
     use_settings(state, replace(state.settings, background=name))
 
 
 def toggle_unobserved(state: AppState) -> None:
-    """Reconstructions with what no frame shows, or without."""
+    """Show what no frame of a reconstruction shows, or leave it out."""
     use_settings(state, replace(state.settings, unobserved=not state.settings.unobserved))
 
 
 def resize_text(state: AppState, steps: int) -> None:
-    """Larger or smaller by so many steps."""
+    """Make all text larger by so many steps, or smaller where negative."""
     use_settings(state, state.settings.resized(steps))
 
 
@@ -84,7 +84,7 @@ def remember_recent(state: AppState, remember: bool) -> None:
 
 
 def use_settings(state: AppState, settings: Settings) -> None:
-    """From now on, and at the next start."""
+    """Use these settings from now on, and have them saved for the next start."""
     state.window.wishes += (KeepSettings(state.places.settings_file, settings, state.saved_settings),)
     state.settings = state.saved_settings = settings
 
@@ -138,7 +138,7 @@ def _first_folder(state: AppState, purpose: Purpose) -> Path:
 
 
 def taken_choice(state: AppState) -> Choosing | None:
-    """What a person is to choose, once."""
+    """What a dialog is to ask for, returned once; None for nothing."""
     choosing, state.window.choosing = state.window.choosing, None
     return choosing
 
@@ -231,7 +231,7 @@ def _leave_masks(state: AppState, go: Callable[[], None]) -> None:
 
 
 def choose_chart(state: AppState, place: int) -> None:
-    """Of the report, the diagram to show."""
+    """Show this diagram of the report."""
     state.reports.place = place
 
 

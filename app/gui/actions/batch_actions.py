@@ -70,7 +70,7 @@ def results_folder(state: AppState) -> Path:
 
 
 def summary(state: AppState) -> str:
-    """The present setting in a line."""
+    """The current settings in a line."""
     chosen = state.enhancement
     return f"{with_method(chosen.params)} · {SCOPES_SAID[chosen.scope]} · {PIXELS_SAID[chosen.pixels]}"
 
@@ -110,7 +110,7 @@ def batch_request(state: AppState) -> BatchRequest | None:
 
 
 def take_progress(state: AppState, request: BatchRequest, answer: Progressed | Failure) -> None:
-    """It has come further, has ended, or could not begin."""
+    """Take what the background work reports of a batch: progress, its end, or why it failed."""
     batches = state.batches
     if batches.under_way is not request:
         return
@@ -124,7 +124,7 @@ def take_progress(state: AppState, request: BatchRequest, answer: Progressed | F
 
 
 def _stopped(state: AppState, request: BatchRequest, failure: Failure) -> None:
-    """What is whole stays."""
+    """The batch ends with an error; finished files are kept."""
     batches, now = state.batches, state.batches.progressed
     batches.under_way = None
     if now is None or not _written(now):
@@ -177,7 +177,7 @@ def _written(answer: Progressed) -> int:
 
 
 def cancelled(state: AppState) -> None:
-    """What is whole stays; of the one under way nothing does."""
+    """The batch was cancelled: finished files are kept, the one under way is not."""
     batches, request = state.batches, state.batches.under_way
     batches.under_way = None
     if request is not None and batches.progressed is not None and _written(batches.progressed):

@@ -69,7 +69,7 @@ def move(browsing: Browsing, by: int) -> None:
 
 
 def mark(browsing: Browsing, entry: Entry) -> None:
-    """The list stands on it."""
+    """Mark an entry of the list."""
     browsing.mark(entry.path)
     if browsing.choosing.kind == "save" and entry.kind == "file":
         browsing.name = entry.name
@@ -162,7 +162,7 @@ def target(browsing: Browsing) -> Path:
 
 
 def replaces(browsing: Browsing) -> bool:
-    """There is a file of that name."""
+    """Whether a file of that name exists and would be replaced."""
     return os.path.lexists(target(browsing))
 
 
@@ -225,7 +225,7 @@ def take_thumbnail(state: AppState, request: Path, answer: ByteImage | Failure |
 
 
 def see(browsing: Browsing, entries: list[Entry]) -> None:
-    """These are on screen."""
+    """Remember which entries are on screen."""
     browsing.in_sight = tuple(entry.path for entry in entries if entry.may_have_thumbnail)
 
 

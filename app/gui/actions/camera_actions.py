@@ -39,7 +39,7 @@ def toggle_snap(state: AppState) -> None:
 
 
 def blend(state: AppState, share: float) -> None:
-    """Share of the frame in a snapped view."""
+    """Lay this share of the frame over a snapped view."""
     state.scene.viewer.blend = min(max(share, 0.0), 1.0)
 
 
@@ -78,7 +78,7 @@ def toggle_flight(state: AppState) -> None:
 
 
 def hold_flight(state: AppState, held: bool) -> None:
-    """A key of flight is held."""
+    """Remember whether a key of flight is held."""
     state.scene.viewer.moving = held
 
 

@@ -67,7 +67,7 @@ def begin_mask(state: AppState, at: tuple[float, float]) -> None:
 
 
 def finish_mask(state: AppState) -> None:
-    """The hand has let go."""
+    """The mouse button is released: the drawn mask counts."""
     state.picture.mask_tool, state.picture.mask_start = "", None
     keep_settings(state)
 

@@ -13,7 +13,7 @@ def at_stake(state: AppState) -> str:
 
 
 def what_is_kept(state: AppState) -> str:
-    """Of that, in sentences."""
+    """What is kept of what closing the window would end, in sentences."""
     return " ".join(kept for _, kept in _stakes(state) if kept)
 
 

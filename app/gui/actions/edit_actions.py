@@ -97,7 +97,7 @@ def draw_on(state: AppState, pixel: tuple[float, float]) -> None:
 
 
 def drop_stroke(state: AppState) -> None:
-    """The drag selects nothing."""
+    """Give up the drag under way: it selects nothing."""
     state.editing.stroke = ()
 
 
@@ -186,7 +186,7 @@ def _take_selection(state: AppState, request: SelectRequest, answer: Selected) -
 
 
 def _go_on(state: AppState) -> None:
-    """With what waits, up to the next selection."""
+    """Do the steps that wait, up to the next selection."""
     editing = state.editing
     while editing.waiting and editing.wish is None:
         later = editing.waiting.pop(0)
@@ -213,7 +213,7 @@ def _changed(how: Change) -> Step:
 
 
 def _do(state: AppState, step: Step) -> None:
-    """At once, or after a selection that is still on its way."""
+    """Do an edit at once, or after a selection that is still being worked out."""
     editing = state.editing
     if editing.wish is not None:
         editing.waiting.append(step)
@@ -223,7 +223,7 @@ def _do(state: AppState, step: Step) -> None:
 
 
 def crop(state: AppState) -> None:
-    """Without a selection nothing would be left: then nothing happens."""
+    """Delete all but the selection; nothing happens without one, as nothing would be left."""
     change(state, lambda edits: edits.cropping() if len(edits.selected) else edits)
 
 
@@ -307,7 +307,7 @@ def choose_how(state: AppState, how: Combination) -> None:
 
 
 def choose_radius(state: AppState, radius: float) -> None:
-    """Of the sphere or half of the box, in scene distances."""
+    """Set the radius of the sphere, or half the side of the box, in scene distances."""
     state.editing.radius = radius
 
 

@@ -86,7 +86,7 @@ def begin(state: AppState, request: ExportRequest) -> None:
 
 
 def _say_what_shifts(state: AppState, request: ExportRequest) -> None:
-    """Of cameras whose principal point some programs do not read."""
+    """Log a notice of cameras whose principal point some programs do not read."""
     cameras = request.record
     if not isinstance(cameras, CameraSet) or request.suffix != ENDINGS["splatting"]:
         return
@@ -162,7 +162,7 @@ def added_to_name(state: AppState) -> str:
 
 
 def name_written(state: AppState) -> str:
-    """Of what is under way; empty where nothing is."""
+    """The name of the export under way; empty for none."""
     request = state.exports.under_way
     return "" if request is None else other_name(state) or f"{request.stem}{request.suffix}"
 
@@ -178,7 +178,7 @@ def take_encoder(state: AppState, request: object, answer: VideoEncoder | Failur
 
 
 def take_step(state: AppState, request: ExportRequest, answer: Step | Failure) -> None:
-    """It has come further, has ended, or has failed."""
+    """Take what the background work reports of an export: progress, its end, or why it failed."""
     if state.exports.under_way is not request:
         return
     if isinstance(answer, Failure):
@@ -235,7 +235,7 @@ def cancelled(state: AppState) -> None:
 
 
 def choose_sizing(state: AppState, sizing: Sizing) -> None:
-    """Of the panes."""
+    """Choose how large exported panes are."""
     state.exports.sizing = sizing
 
 
@@ -255,17 +255,17 @@ def type_name(state: AppState, name: str) -> None:
 
 
 def choose_format(state: AppState, form: Form, suffix: str) -> None:
-    """One of its formats."""
+    """Choose one of the formats of an export."""
     state.exports.formats[form] = suffix
 
 
 def choose_dicom(state: AppState, choices: DicomChoices) -> None:
-    """Of DICOM files."""
+    """Choose what DICOM files hold of the patient."""
     state.exports.dicom = choices
 
 
 def choose_quality(state: AppState, quality: int) -> None:
-    """Of JPEG images."""
+    """Choose the quality of JPEG images, 1 to 100."""
     state.exports.quality = min(max(quality, 1), 100)
 
 

@@ -23,7 +23,7 @@ def redo(state: AppState) -> None:
 
 
 def undo_name(state: AppState) -> str:
-    """The command's, with what it takes back."""
+    """The name of the command Undo, with what it would take back."""
     return f"Undo {step_name(*state.enhancement.past[-2:])}" if len(state.enhancement.past) > 1 else "Undo"
 
 
@@ -48,7 +48,7 @@ def _take(state: AppState, chosen: SettingsSnapshot) -> None:
 
 
 def _take_kept(state: AppState, chosen: SettingsSnapshot) -> None:
-    """What lies in panels that may be hidden is said."""
+    """Take views and images, and say so: their panels may be hidden."""
     cameras, summary = state.scene.cameras, state.summary
     if cameras.views != chosen.views:
         cameras.views = chosen.views

@@ -36,7 +36,7 @@ def frame_settings(state: AppState) -> EnhancementSettings:
 
 
 def link_settings(state: AppState, *, linked: bool) -> None:
-    """They follow the image's, or stay as they are now."""
+    """Have the settings follow the image's, or stay as they are now."""
     if linked:
         state.runs.reconstruction.kept = None
     else:
@@ -227,6 +227,6 @@ def why_not_reconstruct(state: AppState) -> str:
 
 
 def refuse(state: AppState) -> None:
-    """Say so, where it can be chosen."""
+    """Say why nothing can be reconstructed, and bring the panel to the front."""
     announce(state, why_not_reconstruct(state))
     state.runs.asked = True

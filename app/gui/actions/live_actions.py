@@ -46,7 +46,7 @@ def choose_eyes(state: AppState, eyes: Eyes) -> None:
 
 
 def type_right(state: AppState, text: str) -> None:
-    """Address of the right eye's source."""
+    """Change the address of the right eye's source."""
     state.live.choice.right, state.live.choice.trouble = text, ""
 
 
@@ -103,7 +103,7 @@ def go_live(state: AppState, source: LiveInput, wish: Wish) -> None:
 
 
 def begin(state: AppState, start: LiveStart) -> None:
-    """With what the window was opened on."""
+    """Begin with the live source that the window was opened on."""
     go_live(state, start.source, Wish())
     if start.endpoint is not None:
         state.live.endpoint, state.live.send_asked = start.endpoint, True

@@ -200,7 +200,7 @@ def _of_others(steps: tuple[MaskStep, ...], request: MaskRequest) -> tuple[MaskS
 
 
 def clear_frame(state: AppState) -> None:
-    """No tool on this frame, by hand."""
+    """State by hand that no tool is in this frame."""
     _finish_line(state)
     masking = state.masking
     if masking.shown is not None:
@@ -209,14 +209,14 @@ def clear_frame(state: AppState) -> None:
 
 
 def accept(state: AppState) -> None:
-    """The mask is right as it is: it counts as one by hand."""
+    """Accept the mask as it is: it counts as drawn by hand."""
     _finish_line(state)
     if state.masking.shown is not None:
         _set(state, state.masking.shown.mask)
 
 
 def forget_frame(state: AppState) -> None:
-    """The frame is as nobody had masked it."""
+    """Forget the mask that was drawn by hand on this frame."""
     _finish_line(state)
     masking = state.masking
     if masking.shown is not None:
@@ -268,7 +268,7 @@ def network_tools(state: AppState) -> tuple[int, ...] | None:
 
 
 def choose_network_values(state: AppState, values: Values) -> None:
-    """What a network takes."""
+    """Choose the values that the network takes."""
     state.masking.network_values = values
 
 

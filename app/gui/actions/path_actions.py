@@ -58,7 +58,7 @@ def save_view(state: AppState) -> None:
 
 
 def rename_view(state: AppState, index: int, name: str) -> None:
-    """An empty name changes nothing."""
+    """Rename a view; an empty name changes nothing."""
     named = list(state.scene.cameras.views.named)
     if name.strip():
         named[index] = NamedCamera(name.strip()[:LONGEST], named[index].camera)
