@@ -273,7 +273,7 @@ def _eliminate(
     apart, by_pose, by_lens, by_point = slopes.apart, slopes.by_pose, slopes.by_lens, slopes.by_point
 
     of_points = summed(by_point.swapaxes(1, 2) @ by_point, of_point, len(points))
-    pull = summed(_along(by_point, apart), of_point, len(points))
+    pull = summed(along(by_point, apart), of_point, len(points))
     diagonal = np.einsum("ljj->lj", of_points)
     diagonal *= 1 + damping
     diagonal += 1e-9
@@ -303,14 +303,14 @@ def _eliminate(
     block[:-2, -2:] += beside
     block[-2:, -2:] += np.einsum("nji,njk->ik", by_lens, by_lens) * (1 + damping * np.eye(2))
     stiffness[np.ix_(columns, columns)] += block
-    turned = summed(_along(by_pose, apart), of_view, len(views))
-    said = np.r_[turned.ravel(), _along(by_lens, apart).sum(axis=0)]
+    turned = summed(along(by_pose, apart), of_view, len(views))
+    said = np.r_[turned.ravel(), along(by_lens, apart).sum(axis=0)]
     against[columns] += said - np.einsum("ljk,lj->k", coupling, offset)
     return _Back(points, columns, offset, solved)
 
 
-def _along(change: FloatArray, values: FloatArray) -> FloatArray:
-    """(N, j) of slopes (N, 3, j) and values (N, 3)."""
+def along(change: FloatArray, values: FloatArray) -> FloatArray:
+    """(N, j): slopes (N, 3, j) times values (N, 3), summed over the three."""
     return np.asarray((change * values[:, :, None]).sum(axis=1))
 
 

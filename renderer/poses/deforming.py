@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from renderer.camera import Camera, FloatArray, IntArray
-from renderer.poses.bundle import summed
+from renderer.poses.bundle import along, summed
 from renderer.poses.resection import robust, trust
 from renderer.poses.rigid_motion import Seen, local, motion_slopes, moved, projected, slopes
 
@@ -113,7 +113,7 @@ def _slopes(now: Deforming) -> _Slopes:
 def _frame_equations(now: Deforming, slope: _Slopes, damping: float) -> tuple[FloatArray, FloatArray]:
     """(F, 6 + K, 6 + K) and (F, 6 + K), of each frame alone."""
     own = summed(slope.by_frame.swapaxes(1, 2) @ slope.by_frame, now.frames, len(now.poses))
-    against = summed(_along(slope.by_frame, slope.left), now.frames, len(now.poses))
+    against = summed(along(slope.by_frame, slope.left), now.frames, len(now.poses))
     courses = np.arange(POSE, own.shape[1])
     own[:, courses, courses] += 1.0
     against[:, POSE:] -= now.courses
@@ -138,7 +138,7 @@ def _stepped(now: Deforming, damping: float) -> Deforming:
     by_point = by_point.reshape(len(now.frames), 3, -1)
     count, unknowns, width = len(now.rest), by_point.shape[2], own.shape[1]
     of_points = summed(by_point.swapaxes(1, 2) @ by_point, now.points, count)
-    pull = summed(_along(by_point, slope.left), now.points, count)
+    pull = summed(along(by_point, slope.left), now.points, count)
     motions = np.arange(3, unknowns)
     of_points[:, motions, motions] += _SHIFT**-2
     pull[:, 3:] -= (now.shifts - now.held_to).reshape(count, -1) / _SHIFT**2
@@ -161,11 +161,6 @@ def _stepped(now: Deforming, damping: float) -> Deforming:
     change = change.reshape(count, -1, 3)
     there = _with_frames(now, step.reshape(-1, width))
     return replace(there, rest=now.rest + change[:, 0], shifts=now.shifts + change[:, 1:])
-
-
-def _along(change: FloatArray, values: FloatArray) -> FloatArray:
-    """(N, j) of slopes (N, 3, j) and values (N, 3)."""
-    return np.asarray((change * values[:, :, None]).sum(axis=1))
 
 
 def _damped(equations: FloatArray, damping: float) -> FloatArray:
