@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -171,16 +172,18 @@ def test_an_error_hides_no_control_of_the_3d_view(
     assert tops[0] < banner.pos.y + banner.size.y
 
 
+def draw_error_and_export(state: AppState) -> None:
+    overlays.draw_banner(state)
+    draw_export(state)
+
+
 def test_an_error_hides_nothing_of_what_floats(ui: Ui, opened: AppState) -> None:
     """Also in a low window, which the list of what can be exported fills."""
     ui.io.display_size = ImVec2(900, 480)
     floating_windows.toggle(opened.exports)
     actions.fail(opened, "expected an intact image, got a damaged one")
 
-    def draw() -> None:
-        overlays.draw_banner(opened)
-        draw_export(opened)
-
+    draw = partial(draw_error_and_export, opened)
     for _ in range(6):
         ui.frame(draw)
     banner, export = (imgui.internal.find_window_by_name(name) for name in (overlays.BANNER, "Export"))
@@ -237,10 +240,7 @@ def test_what_an_error_has_moved_leaves_the_status_bar_free(ui: Ui, opened: AppS
     floating_windows.toggle(opened.exports)
     actions.fail(opened, "expected room on the disk, got none")
 
-    def draw() -> None:
-        overlays.draw_banner(opened)
-        draw_export(opened)
-
+    draw = partial(draw_error_and_export, opened)
     for told in (True, False):
         if not told:
             actions.dismiss(opened)
@@ -253,9 +253,7 @@ def test_what_an_error_has_moved_leaves_the_status_bar_free(ui: Ui, opened: AppS
 def test_an_error_moves_only_what_it_covers(ui: Ui, opened: AppState) -> None:
     floating_windows.toggle(opened.exports)
 
-    def draw() -> None:
-        overlays.draw_banner(opened)
-        draw_export(opened)
+    draw = partial(draw_error_and_export, opened)
 
     def place() -> tuple[float, float]:
         for _ in range(6):
