@@ -35,6 +35,9 @@ FILLED = 0.7
 """Share of a window that must be seen in both frames."""
 EXPECTED_ERROR = 0.1
 """Windows whose displacement noise blurs by more pixels than this have too little texture."""
+LEAST_TEXTURE = 1e-20
+"""Of the determinant of a window's gradients. A grey one, or one with no more red than green, has none, nor
+has it noise that would tell so: it is not at rest for that."""
 BLOCKS = 4
 """The picture is judged in so many blocks each way."""
 LEAST_WINDOWS = 5
@@ -263,10 +266,10 @@ def _displacements(here: Plane, there: Plane, seen: BoolArray) -> Plane:
 
     rr, rd, dd = covariance(right, right), covariance(right, down), covariance(down, down)
     rc, dc = covariance(right, change), covariance(down, change)
-    determinant = np.maximum(rr * dd - rd * rd, 1e-20)
+    determinant = np.maximum(rr * dd - rd * rd, LEAST_TEXTURE)
     across, along = (rd * dc - dd * rc) / determinant, (rd * rc - rr * dc) / determinant
     spread = 2 * _noise(here) ** 2 * (rr + dd) / (determinant * count)
-    good = (count > FILLED * WINDOW**2) & (spread < EXPECTED_ERROR**2)
+    good = (count > FILLED * WINDOW**2) & (spread < EXPECTED_ERROR**2) & (determinant > LEAST_TEXTURE)
     return np.where(good[..., None], np.stack([across, along], axis=-1), np.nan).astype(np.float32)
 
 

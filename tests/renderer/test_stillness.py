@@ -74,6 +74,17 @@ def test_what_cannot_be_compared_is_not_still() -> None:
     assert stillness(frames) == Stillness(np.inf, np.inf, (N_FRAMES, *SIZE))
 
 
+@pytest.mark.parametrize("channels", [[1, 1, 1], [2, 1, 0]])
+def test_frames_that_are_grey_or_never_redder_than_green_are_not_still(channels: list[int]) -> None:
+    """In red minus green they show nothing, and no noise either, whatever moves."""
+    clip = plane_clip(slide=1.5)
+    frames = [clip.read_frame(index) for index in range(N_FRAMES)]
+    for frame in frames:
+        frame.image[:] = np.sort(frame.image, axis=2)[..., channels]
+        frame.image[..., 0] = np.minimum(frame.image[..., 0], frame.image[..., 1])
+    assert stillness(frames).displacement == np.inf
+
+
 def test_one_frame_is_still_and_two_are_compared() -> None:
     clip = plane_clip(slide=1.0)
     assert stillness([clip.read_frame(0)]) == Stillness(0.0, 0.0)
