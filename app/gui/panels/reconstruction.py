@@ -24,6 +24,7 @@ from app.gui.style.widgets import (
     checkbox,
     em,
     explain,
+    explain_entry,
     in_line,
     in_table,
     muted,
@@ -191,7 +192,7 @@ def _draw_omissions(state: AppState) -> None:
     laid_out.unfold_omissions(state, imgui.tree_node("What will be left out"))
     if imgui.is_item_toggled_open():
         imgui.set_scroll_here_y(0.0)  # In a low window what unfolds is out of sight else.
-    explain("Training leaves out what this clip does not need. Judged on the original frames.")
+    explain_entry("Training leaves out what this clip does not need. Judged on the original frames.")
     if not state.runs.asks_for_omissions:
         return
     found, request = state.runs.omissions, state.omissions_request

@@ -74,6 +74,7 @@ LINK_TEXT: Final = (
     "Follow the image's settings. Off: keep them as they are now, whatever the image is set to."
 )
 TAKE_TEXT: Final = "Keep the settings that the image has now instead."
+NAME_TEXT: Final = "Folder of the run; if empty, the clip's name and the time."
 POOLED: Final = "Statistics are pooled over the training frames."
 
 
@@ -91,7 +92,8 @@ def draw_choices(state: AppState) -> None:
     iterations = _steps(replace(config, iterations=_quality(run)))
     if (method, iterations) != (config.method, config.iterations):
         job_actions.choose_method(state, method, iterations)
-    row("Name", "Folder of the run; if empty, the clip's name and the time.")
+    row("Name", "")
+    explain_entry(NAME_TEXT)
     _, name = imgui.input_text_with_hint("##name", "automatic", run.name)
     job_actions.name_run(state, name)
 
@@ -209,9 +211,10 @@ def _quality(run: Reconstruction) -> int:
 def _steps(config: TrainConfig) -> int:
     about = declared(TrainConfig, "iterations")
     text = about.text or "Training iterations; more are slower and better."
-    row("Iterations", text)
+    row("Iterations", "")
+    explain_entry(text)
     changed, value = imgui.input_int("##iterations", config.iterations, 100, 1000)
-    explain(text)
+    explain_entry(text)
     if asks_for_default("iterations"):
         return int(about.default)
     return int(min(max(value, about.lo), about.hi)) if changed else config.iterations

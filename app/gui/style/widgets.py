@@ -131,8 +131,8 @@ def explain(text: str) -> None:
 
 
 def explain_entry(text: str) -> None:
-    """The same on an entry of a menu or list: beside that, where it covers no other entry; on its left, or on
-    its right where the screen ends."""
+    """The same on an entry of a menu or list, or above a button that is pressed next: beside that, where it
+    covers no other; on its left, or on its right where the screen ends."""
     if not _is_asked(text):
         return
     gap, left, top = em(0.25), imgui.get_window_pos().x, imgui.get_item_rect_min().y
