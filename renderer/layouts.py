@@ -30,7 +30,7 @@ from renderer.readers.dicom.header import dicom_kind
 from renderer.readers.image_files.coded_picture import CODED, is_coded_still
 from renderer.readers.image_files.file_kinds import SUFFIXES, is_picture, is_unnamed
 from renderer.readers.image_files.transparency import where_visible
-from renderer.readers.image_files.used_bits import ALL, said_of_unread_bits, used_bits
+from renderer.readers.image_files.used_bits import said_of_unread_bits, used_bits
 from renderer.readers.image_folders.frames import frames_of, open_image, open_images
 from renderer.readers.image_folders.picture_kinds import frame_folder
 from renderer.readers.video import open_video
@@ -88,8 +88,8 @@ def _open_endonerf(path: Path, options: ClipOptions) -> Clip:
 
 def _open_stereo(path: Path, options: ClipOptions) -> Clip:
     left = next(iter(eye_folders(path)), path)
-    clip = open_stereo_folder(path, options.view_angle, options.bits or ALL)
-    if options.bits is None:
+    clip = open_stereo_folder(path, options.view_angle, options.bits)
+    if options.bits is None and left != path:
         files = [left / label for label in clip.labels]
         clip = replace(clip, notices=(*clip.notices, *said_of_unread_bits(len(files), used_bits(files))))
     return _where_visible(with_maps(clip, left, options), left, options)

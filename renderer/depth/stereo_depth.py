@@ -28,6 +28,7 @@ from renderer.depth.stereo import FEWEST_FEATURES, disparity, feature_matches, f
 from renderer.depth.stereo_pairs import RightEye
 from renderer.evenly import evenly_floored
 from renderer.listing import count, listed
+from renderer.readers.image_files.used_bits import ALL, said_of_unread_bits, used_bits
 from renderer.readers.image_folders.frames import is_seen_by_assumption
 
 Found = TypeVar("Found")
@@ -183,7 +184,7 @@ def _require_one_scene(shifts: NDArray[np.float64], pairs: int, clip: Clip, righ
     same image."""
     if len(shifts) < FEWEST_FEATURES:
         found = f"{len(shifts)} features in common in the best of {count(pairs, 'pair')} looked at"
-        needed = f"({FEWEST_FEATURES} are needed): {clip.path}"
+        needed = f"({FEWEST_FEATURES} are needed){_dark(clip, right)}: {clip.path}"
         raise ClipError(f"expected a stereo pair, got images with {found} {needed}")
     if np.median(np.abs(shifts[:, :2])) < _SAME:
         came = f"the same image twice for {right.names}"
@@ -204,6 +205,12 @@ def _rows_of(every: Sequence[NDArray[np.float64]], clip: Clip, right: RightEye) 
         where = f"{right.names}; --calibration FILE rectifies them: {clip.path}"
         raise _UnrectifiedError(f"expected a rectified pair, {limit}, got {left:.1f} px between {where}")
     return rows
+
+
+def _dark(clip: Clip, right: RightEye) -> str:
+    """Why images show so little, and what to do, as the end of a sentence; empty where they are not dark."""
+    unread = said_of_unread_bits(len(clip), used_bits((right.path,))) if clip.bits == ALL else ()
+    return "".join(f"; {said}" for said in unread)
 
 
 def _seen_by_both(

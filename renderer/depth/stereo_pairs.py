@@ -5,12 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from pathlib import Path
 
-from renderer.budget import OverBudget
 from renderer.clip import ByteImage, Clip, ClipError, Frame, numbered
-from renderer.depth.stereo import FEWEST_FEATURES, feature_shifts
+from renderer.depth.one_scene import may_be_one_scene
 from renderer.listing import listed
 from renderer.readers.clip_files import folders_in
 from renderer.readers.image_files.file_kinds import is_picture
@@ -19,7 +17,6 @@ from renderer.readers.image_files.used_bits import ALL
 from renderer.readers.image_folders.frames import open_images
 from renderer.readers.image_folders.picture_kinds import kind_by_name
 
-_REMEMBERED_PAIRS = 32  # Whether they show one scene, which opening a folder asks several times.
 _LEFT = re.compile(r"left|(?<=[\d_-])l$|^l(?=$|[\d_-])", re.IGNORECASE)
 _RIGHT = {"left": "right", "Left": "Right", "LEFT": "RIGHT", "l": "r", "L": "R"}
 _CAMERAS = {"image_02": "image_03", "image_00": "image_01", "cam0": "cam1"}
@@ -64,7 +61,7 @@ def is_stereo_folder(path: Path) -> bool:
         return True
     lefts = _paired_names(entry.name for entry in path.iterdir() if is_picture(entry))
     tried = dict.fromkeys((*lefts[:1], *lefts[len(lefts) // 2 :][:1], *lefts[-1:]))
-    return any(_may_be_one_scene(path / left, path / (right_name(left) or left)) for left in tried)
+    return any(may_be_one_scene(path / left, path / (right_name(left) or left)) for left in tried)
 
 
 def eye_folders(path: Path) -> tuple[Path, ...]:
@@ -73,9 +70,10 @@ def eye_folders(path: Path) -> tuple[Path, ...]:
     return (left, left.with_name(right_name(left.name) or "")) if left else ()
 
 
-def open_stereo_folder(path: Path, field_of_view: float, bits: int = ALL) -> Clip:
+def open_stereo_folder(path: Path, field_of_view: float, bits: int | None = None) -> Clip:
     """The left pictures of a folder as a clip; `with_stereo_depth` makes use of the right ones. `bits`: that
-    values of 16-bit images use.
+    values of 16-bit images use; None: those of both eyes in one folder 10 or 12 where these are enough, those
+    in two folders all, as stored.
 
     Raises:
         ClipError: nothing that can be read, as `open_images`.
@@ -83,7 +81,7 @@ def open_stereo_folder(path: Path, field_of_view: float, bits: int = ALL) -> Cli
     lefts = _left_folder(path)
     if lefts is None:
         return _left_half(open_images(path, field_of_view, bits))
-    return replace(open_images(lefts, field_of_view, bits), path=path, name=path.resolve().name)
+    return replace(open_images(lefts, field_of_view, bits or ALL), path=path, name=path.resolve().name)
 
 
 def right_pictures(clip: Clip) -> tuple[Path, ...]:
@@ -121,20 +119,6 @@ def right_eye(clip: Clip) -> RightEye | None:
         return None
     names = f"{clip.labels[0]} and {rights[0].name}"
     return RightEye(lambda index: read_rgb(rights[index], clip.bits), common_size(rights), names, rights[0])
-
-
-def _may_be_one_scene(left: Path, right: Path) -> bool:
-    """What cannot be read may: its reader says what is wrong."""
-    try:
-        return _show_one_scene(left, right, (left.stat().st_mtime_ns, right.stat().st_mtime_ns))
-    except (ClipError, OverBudget, OSError):
-        return True
-
-
-@lru_cache(_REMEMBERED_PAIRS)
-def _show_one_scene(left: Path, right: Path, changed: tuple[int, int]) -> bool:
-    """`changed`: when the files were, so that others of the same names are looked at again."""
-    return len(feature_shifts(read_rgb(left), read_rgb(right))) >= FEWEST_FEATURES
 
 
 def _left_folder(path: Path) -> Path | None:
