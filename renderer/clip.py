@@ -250,6 +250,14 @@ class Clip:
         return tuple(index / len(self) for index in range(len(self)))
 
     @cached_property
+    def is_steady(self) -> bool:
+        """Whether its frames come evenly, as far as their own times tell; looked at once, as its size."""
+        times, speed = self.frame_times, self.frames_per_second
+        if not times or not speed:
+            return True
+        return all(abs(time - index / speed) <= CLOCK for index, time in enumerate(times))
+
+    @cached_property
     def test_indices(self) -> tuple[int, ...]:
         """Frames held out for evaluation."""
         return held_out_frames(len(self), self.split, self.passed_over)

@@ -28,7 +28,16 @@ def doubts(state: AppState) -> str:
         said.append(
             f"How fast the clip goes is not known: {FRAMES_PER_SECOND:g} frames a second are assumed."
         )
+    if _evens_out(state):
+        said.append("The frame rate of the clip varies: here frames follow evenly, at its average.")
     return " ".join(said)
+
+
+def _evens_out(state: AppState) -> bool:
+    """Of what plays a model: its moments are numbered, not timed."""
+    clip, offer = state.source.clip, OFFERS[state.exports.what]
+    plays = offer.traits.plays or offer.sees == "time"
+    return plays and clip is not None and not clip.is_steady and not state.shows_other_clip
 
 
 def _assumes_speed(state: AppState) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from shutil import copytree
 
@@ -124,6 +125,22 @@ def test_the_window_says_that_it_assumes(runs: dict[str, Path], places: Places) 
         export_actions.choose_what(window.state, what)
         assert doubts(window.state).startswith("How fast the clip goes is not known")
     assert made(window).seconds == pytest.approx(10 / 15)
+
+
+def test_the_window_says_that_uneven_frames_are_evened_out(filmed_run: Path, places: Places) -> None:
+    """Of a model, whose moments are numbered; videos of the panes keep the times."""
+    window = Exporter(places, filmed_run)
+    clip = window.state.source.clip
+    assert clip is not None
+    times = tuple(index / RATE + (index > 3) for index in range(len(clip)))
+    window.state.source.clip = replace(clip, frame_times=times)
+    for what in ("page for browsers", "video through time"):
+        export_actions.choose_what(window.state, what)
+        said = "The frame rate of the clip varies: here frames follow evenly, at its average."
+        assert doubts(window.state) == said
+    for what in ("video of both panes", "splats of this moment"):
+        export_actions.choose_what(window.state, what)
+        assert doubts(window.state) == ""
 
 
 def made(window: Exporter) -> BrowserModel:
