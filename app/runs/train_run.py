@@ -48,6 +48,7 @@ from app.runs.steadying import STAGE, found_exposure, in_exposure
 from app.runs.structuring import structured
 from app.runs.tool_masks import FOLDER, ToolMasks, keep
 from app.runs.trained_clip import input_clip
+from app.runs.unmasked_tools import untold_in
 from app.runs.wall_clock import WallClock
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
@@ -139,7 +140,9 @@ def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[Trai
         record = yield from _with_exposure(record, _by_images(ahead, through, part.of(bare)))
         begin = partial(_begin, run, record, copies)
     ahead.hand_over()
-    through = replace(through, notices=(*clip.notices, *through.notices))
+    is_told = record.clip.part.tools is not None or "tools" in record.config.keep
+    tools = () if is_told else untold_in(clip)
+    through = replace(through, notices=(*clip.notices, *through.notices, *tools))
     try:
         yield from _train(record, run, in_exposure(through, record.exposure, record.config), clock, begin)
     except TrainingError as error:

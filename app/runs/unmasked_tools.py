@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Final
 
+import numpy as np
 from annotated_types import Ge, Interval
 
-from renderer.clip import BoolImage, ByteImage, Frame
+from renderer.clip import BoolImage, ByteImage, Clip, Frame
 from renderer.tools.search import REACH, tools_alone, with_margin, with_still
 from renderer.tools.shrinking import shrunk
 from renderer.tools.still import StillArea, still_areas
 from renderer.train.events import Omission
+
+GREY: Final = 4
+"""Levels between the channels of a grey pixel, which JPEG and video may colour a little."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +55,18 @@ def tools_in(frames: Iterable[Frame]) -> FoundTools | None:
     ]
     found = sum(share > 0 for share in shares)
     return FoundTools(found, len(shares), sum(shares) / len(shares), still, REACH) if found else None
+
+
+def untold_in(clip: Clip) -> tuple[str, ...]:
+    """That grey frames tell no tools, to a person; nothing where they have colour, or where it is known what
+    is tissue. Raises ClipError: the first frame to train on cannot be read."""
+    first = clip.read_frame(clip.train_indices[0])
+    if first.tools_are_known or not first.tissue_mask.all() or np.ptp(first.image, axis=2).max() > GREY:
+        return ()
+    return (
+        "the frames are grey: tools cannot be told by their colour and are reconstructed as tissue; masks of "
+        "them leave them out (--tool-masks DIR)",
+    )
 
 
 def omission_of(found: FoundTools) -> Omission:

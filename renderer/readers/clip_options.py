@@ -89,8 +89,8 @@ class ClipOptions:
     show one eye. Auto: as the video says."""
     bits: Annotated[int, Interval(ge=8, le=16)] | None = None
     """How many bits the values of 16-bit PNG and TIFF images use, alone or in a folder; they are shown over
-    that range. Auto: 10 or 12, where these are enough and 8 are not; else, and for left and right images in two
-    folders, 16, as stored."""
+    that range. Auto: 10 or 12, where these are enough and 8 are not; else, and for left and right images in
+    two folders, 16, as stored."""
     alpha: Literal["mask", "ignored"] | None = None
     """What is fully transparent in images, alone or in a folder: outside the tissue (mask), or like any
     other pixel (ignored). Auto: mask."""

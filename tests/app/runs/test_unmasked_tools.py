@@ -18,9 +18,9 @@ from app.runs.clip_selection import ClipPart
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
 from app.runs.trained_clip import run_clip
-from app.runs.unmasked_tools import tools_in
+from app.runs.unmasked_tools import tools_in, untold_in
 from renderer.camera import Camera
-from renderer.clip import Frame
+from renderer.clip import Clip, Frame
 from renderer.readers.masks.nonzero_masks import read_nonzero
 from renderer.sources import open_clip
 from renderer.tools.search import find_tools
@@ -53,6 +53,26 @@ def test_a_run_leaves_them_out_and_says_so(unmasked: Path, clip_path: Path, tmp_
         assert not frame.tissue_mask[tool].any()
         assert not frame.evaluation_mask[tool].any()
         assert frame.tissue_mask[~tool].mean() > 0.85
+
+
+def test_of_grey_frames_it_is_said_that_tools_are_not_told(unmasked: Path, clip_path: Path) -> None:
+    """Not where masks tell them."""
+
+    def grey(path: Path, spread: int) -> Clip:
+        clip = open_clip(path)
+
+        def read_frame(index: int) -> Frame:
+            frame = clip.read_frame(index)
+            levels = np.repeat(frame.image[..., 1:2], 3, axis=2) // 2
+            levels[..., 0] += np.uint8(spread)
+            return replace(frame, image=levels)
+
+        return replace(clip, read_frame=read_frame)
+
+    assert untold_in(open_clip(unmasked)) == ()
+    assert [untold_in(grey(unmasked, spread)) != () for spread in (0, 3, 20)] == [True, True, False]
+    assert "masks of them leave them out (--tool-masks DIR)" in untold_in(grey(unmasked, 0))[0]
+    assert untold_in(grey(clip_path, 0)) == ()
 
 
 def test_they_are_kept_where_asked_and_a_run_goes_on_as_it_began(
