@@ -139,9 +139,9 @@ def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[Trai
         )
         record = yield from _with_exposure(record, _by_images(ahead, through, part.of(bare)))
         begin = partial(_begin, run, record, copies)
-    ahead.hand_over()
     is_told = record.clip.part.tools is not None or "tools" in record.config.keep
-    tools = () if is_told else untold_in(clip)
+    tools = () if is_told else untold_in(ahead.clip)
+    ahead.hand_over()
     through = replace(through, notices=(*clip.notices, *through.notices, *tools))
     try:
         yield from _train(record, run, in_exposure(through, record.exposure, record.config), clock, begin)

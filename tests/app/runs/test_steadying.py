@@ -17,7 +17,7 @@ from app.evaluation.evaluate import open_evaluation
 from app.gui.work.omissions import OmissionsRequest
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
-from renderer.depth import stereo_pairs
+from renderer.depth import stereo_depth
 from renderer.depth.stereo import disparity
 from renderer.phantom import Phantom, PhantomParams, write_phantom
 from renderer.sources import open_clip
@@ -128,7 +128,7 @@ def test_the_eyes_of_a_long_clip_are_not_matched_once_more_for_the_gains(
     eyes = tmp_path / "eyes"
     write_eyes(eyes, "left/{:06d}.png", "right/{:06d}.png", 84, width=96, height=72, tools=0, pumping=0.15)
     matched = list[bool]()
-    monkeypatch.setattr(stereo_pairs, "disparity", lambda *pair: (matched.append(True), disparity(*pair))[1])
+    monkeypatch.setattr(stereo_depth, "disparity", lambda *pair: (matched.append(True), disparity(*pair))[1])
 
     def begun(name: str, config: TrainConfig) -> RunFolder:
         matched.clear()
