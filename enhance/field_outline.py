@@ -18,8 +18,8 @@ from enhance.field_regions import (
     Levels,
     Numbers,
     Runs,
+    connected,
     dark_beside_border,
-    dark_within,
     drawn,
     ends_of,
     lit_parts,
@@ -115,7 +115,7 @@ def lit_in(
     outside, dark, rim, sharp = around(low, lit, field, sharp_level)
     if not (is_surround(low, outside, dark) and is_sharp(rim, sharp)):
         return found, True, (np.empty((0, 2)), True, False)
-    dents, reached = dark_within(lit, field)
+    dents, reached = dark_beside_border(lit, field, np.arange(low.shape[0] + 1, dtype=np.int32))
     is_convex, is_dented = dents <= MOST_SWALLOWED * reached, dents >= LEAST_DENTS * (low.size - outside)
     return found, True, (hull.astype(np.float64), is_convex, is_dented)
 
@@ -155,9 +155,11 @@ def is_sharp(rim: int, sharp: int) -> bool:
     return rim > 0 and sharp >= LEAST_SHARP * rim
 
 
+@njit(cache=True, error_model="numpy")
 def is_convex(lit: Levels, field: Levels) -> bool:
-    """Whether hardly any of what is dark and touches the border lies within the field."""
-    dents, reached = dark_beside_border(lit, field)
+    """Whether hardly any of what is dark and touches the border lies within the field, which is 1."""
+    spans, lines, _ = connected(field, 1)
+    dents, reached = dark_beside_border(lit, spans, lines)
     return dents <= MOST_SWALLOWED * reached
 
 

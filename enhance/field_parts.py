@@ -119,10 +119,11 @@ def _are_divided(low: Levels, lit: Lit, hulls: list[NDArray[Any]], most: float) 
     """Whether what lies outside of these is a surround, hardly any of it is within one of them, and these
     share a part of their pixels at `most`."""
     fields = [filled(low, hull) for hull in hulls]
-    together = np.asarray(np.sum(fields, axis=0, dtype=np.uint8))
-    outside, dark = int((together == 0).sum()), int(((together == 0) & (lit.pixels == 0)).sum())
-    shared = int((together > 1).sum())
-    is_apart = bool(shared <= most * (together > 0).sum()) and is_convex(lit.pixels, together)
+    counts = np.sum(fields, axis=0)
+    together = counts > 0
+    outside, dark = int((~together).sum()), int((~together & (lit.pixels == 0)).sum())
+    is_apart = bool((counts > 1).sum() <= most * together.sum())
+    is_apart = is_apart and is_convex(lit.pixels, together.view(np.uint8))
     rim, sharp = np.sum(
         [around(low, lit.pixels, spans_in(one), lit.sharp)[2:] for one in fields], axis=0
     ).tolist()

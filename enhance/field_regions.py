@@ -92,47 +92,33 @@ def ends_of(regions: Runs, are_wanted: NDArray[np.bool_]) -> Numbers:
     return ends[:found]
 
 
-@njit(cache=True, error_model="numpy")
-def dark_beside_border(lit: Levels, field: Levels) -> tuple[int, int]:
-    """Pixels of the dark regions that touch the border: those within the field, and all."""
-    runs, rows, reach = _beside_border(lit)
-    within, reached = 0, 0
-    for y in range(len(rows) - 1):
-        for run in range(rows[y], rows[y + 1]):
-            if reach[run]:
-                reached += runs[run, 1] - runs[run, 0]
-                for x in range(runs[run, 0], runs[run, 1]):
-                    within += field[y, x] > 0
-    return within, reached
-
-
 @njit(error_model="numpy")
-def dark_within(lit: Levels, spans: Numbers) -> tuple[int, int]:
-    """As `dark_beside_border`, of a field of one span in each row: its first column and the one after."""
-    runs, rows, reach = _beside_border(lit)
-    within, reached = 0, 0
-    for y in range(len(rows) - 1):
-        for run in range(rows[y], rows[y + 1]):
-            if reach[run]:
-                reached += runs[run, 1] - runs[run, 0]
-                within += max(min(runs[run, 1], spans[y, 1]) - max(runs[run, 0], spans[y, 0]), 0)
-    return within, reached
-
-
-@njit(error_model="numpy")
-def _beside_border(lit: Levels) -> tuple[Numbers, Numbers, NDArray[np.bool_]]:
-    """The dark runs, the first one of each row, and which are of regions that touch the border."""
-    height, width = lit.shape
-    runs, rows, parents = _joined(lit, 0)
-    touches = np.zeros(len(runs), np.bool_)
+def touching_border(regions: Runs, width: int) -> NDArray[np.bool_]:
+    """Which regions of a picture so wide reach its border."""
+    runs, rows, numbers = regions
+    touches, height = np.zeros(numbers.max() + 1 if len(numbers) > 0 else 1, np.bool_), len(rows) - 1
     for y in range(height):
         for run in range(rows[y], rows[y + 1]):
             if y == 0 or y == height - 1 or runs[run, 0] == 0 or runs[run, 1] == width:
-                touches[_root(parents, run)] = True
-    # The first run of a region comes before its others.
-    for run in range(len(runs)):
-        touches[run] = touches[_root(parents, run)]
-    return runs, rows, touches
+                touches[numbers[run]] = True
+    return touches
+
+
+@njit(error_model="numpy")
+def dark_beside_border(lit: Levels, spans: Numbers, lines: Numbers) -> tuple[int, int]:
+    """Pixels of the dark regions that touch the border: those within a field, and all.
+
+    spans, lines: runs of the field's pixels, and the first one of each row, as in `Runs`.
+    """
+    runs, rows, numbers = dark = connected(lit, 0)
+    touches, within, reached = touching_border(dark, lit.shape[1]), 0, 0
+    for y in range(len(rows) - 1):
+        for run in range(rows[y], rows[y + 1]):
+            if touches[numbers[run]]:
+                reached += runs[run, 1] - runs[run, 0]
+                for span in range(lines[y], lines[y + 1]):
+                    within += max(min(runs[run, 1], spans[span, 1]) - max(runs[run, 0], spans[span, 0]), 0)
+    return within, reached
 
 
 @njit(error_model="numpy")

@@ -11,8 +11,10 @@ from enhance.field_hull import hull_of, within
 from enhance.field_outline import (
     LEAST_FIELD,
     LEAST_PART,
+    MOST_SWALLOWED,
     SQUARE,
     around,
+    is_convex,
     is_sharp,
     is_surround,
     lit_above,
@@ -24,7 +26,6 @@ from enhance.field_regions import (
     areas_of,
     connected,
     dark_beside_border,
-    dark_within,
     drawn,
     ends_of,
     lit_parts,
@@ -66,11 +67,14 @@ def test_what_is_dark_beside_the_border_is_what_opencv_floods(seed: int) -> None
     framed = cv2.copyMakeBorder(lit, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
     cv2.floodFill(framed, None, (0, 0), 2)
     reached = framed[1:-1, 1:-1] == 2
-    assert dark_beside_border(lit, field) == ((reached & (field > 0)).sum(), reached.sum())
+    runs, rows, _ = connected(field, 1)
+    assert dark_beside_border(lit, runs, rows) == ((reached & (field > 0)).sum(), reached.sum())
+    assert is_convex(lit, field) == ((reached & (field > 0)).sum() <= MOST_SWALLOWED * reached.sum())
     spans = np.sort(rng.integers(0, low.shape[1] + 1, (len(low), 2), dtype=np.int32), axis=1)
     columns = np.arange(low.shape[1])
     inside = (columns >= spans[:, :1]) & (columns < spans[:, 1:])
-    assert dark_within(lit, spans) == ((reached & inside).sum(), reached.sum())
+    rows = np.arange(len(low) + 1, dtype=np.int32)
+    assert dark_beside_border(lit, spans, rows) == ((reached & inside).sum(), reached.sum())
 
 
 @pytest.mark.parametrize("seed", range(200))
