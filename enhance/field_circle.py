@@ -18,7 +18,8 @@ CIRCLE_TOLERANCE: Final = 1.5
 
 Points = NDArray[np.float64]
 Fit = tuple[int, tuple[float, float], tuple[float, float, float], float]
-"""Points that are not cropped, the middle of all, and `circle_through` those, if there are enough."""
+"""Points that are not cropped, the middle of all, and `circle_through` those, to hundredths of a pixel, if
+there are enough."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -29,7 +30,13 @@ def fit_of(points: Points, cropped: BoolImage) -> Fit:
     if len(free) < LEAST_FREE:
         return len(free), middle, (0.0, 0.0, 0.0), 0.0
     across, down, radius, share = circle_through(free)
-    return len(free), middle, (across, down, radius), share
+    return len(free), middle, (_rounded(across), _rounded(down), _rounded(radius)), share
+
+
+@njit(error_model="numpy")
+def _rounded(value: float) -> float:
+    """To hundredths; Python's own `round` takes longer than a kernel."""
+    return float(np.rint(value * 100) / 100)
 
 
 @njit(error_model="numpy")

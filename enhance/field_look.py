@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from enhance.field_circle import Points
 from enhance.field_even import ALIKE, corners_of
 from enhance.field_outline import Lit, Outline, lit_in, sharp_from
 from enhance.field_regions import Levels, Runs
@@ -19,8 +17,7 @@ NO_COLORS: Final = np.empty((0, 0, 3), np.uint8)
 """Of a copy that has been looked at in another way."""
 
 
-@dataclass(frozen=True, eq=False)
-class Look:
+class Look(NamedTuple):
     """At a small copy."""
 
     surround: NDArray[np.int16] | None
@@ -42,13 +39,8 @@ def look_at(low: Levels, colors: Levels = NO_COLORS) -> Look:
         return Look(color)
     if not is_dark:
         return Look(None)
-    threshold = tones[3]
-    return Look(
-        None,
-        Tones(*tones),
-        Lit(threshold, sharp_from(threshold), *lit),
-        Outline(*outline) if is_told else None,
-    )
+    sharp = sharp_from(tones.threshold)
+    return Look(None, tones, Lit(tones.threshold, sharp, *lit), outline if is_told else None)
 
 
 @njit(cache=True, error_model="numpy")
@@ -58,18 +50,18 @@ def _look(
     bool,
     NDArray[np.int16],
     bool,
-    tuple[float, float, float, float, float, bool],
+    Tones,
     tuple[Levels, Runs, NDArray[np.int64]],
     bool,
-    tuple[Points, bool, bool],
+    Outline,
 ]:
     """Whether the corners have one colour, and that; `tones_in`; and `lit_in`, if these tell a surround."""
     color, alike = corners_of(colors)
     is_even = alike >= ALIKE
-    is_dark, tones = (False, (0.0, 0.0, 0.0, 0.0, 0.0, False)) if is_even else tones_in(low)
+    is_dark, tones = (False, Tones(0.0, 0.0, 0.0, 0.0, 0.0, False)) if is_even else tones_in(low)
     if not is_dark:
         no_parts = np.empty((0, 2), np.int32), np.empty(0, np.int32), np.empty(0, np.int32)
         nothing = np.empty((0, 0), np.uint8), no_parts, np.empty(0, np.int64)
-        return is_even, color, False, tones, nothing, False, (np.empty((0, 2)), False, False)
-    lit, is_told, outline = lit_in(low, tones[3], sharp_from(tones[3]))
+        return is_even, color, False, tones, nothing, False, Outline(np.empty((0, 2)), False, False)
+    lit, is_told, outline = lit_in(low, tones.threshold, sharp_from(tones.threshold))
     return is_even, color, True, tones, lit, is_told, outline

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import cv2
 import numpy as np
@@ -73,8 +73,7 @@ class Lit:
         return drawn(self.parts, *self.pixels.shape)
 
 
-@dataclass(frozen=True, eq=False)
-class Outline:
+class Outline(NamedTuple):
     """Of what is lit in the small copy."""
 
     corners: Points
@@ -92,7 +91,7 @@ def lit_above(low: Levels, threshold: float, step: float = STEP) -> tuple[Lit, O
     """
     sharp = sharp_from(threshold, step)
     lit, is_told, outline = lit_in(low, threshold, sharp)
-    return Lit(threshold, sharp, *lit), Outline(*outline) if is_told else None
+    return Lit(threshold, sharp, *lit), outline if is_told else None
 
 
 @register_jitable
@@ -104,20 +103,20 @@ def sharp_from(threshold: float, step: float = STEP) -> float:
 @njit(cache=True, error_model="numpy")
 def lit_in(
     low: Levels, threshold: float, sharp_level: float
-) -> tuple[tuple[Levels, Runs, NDArray[np.int64]], bool, tuple[Points, bool, bool]]:
-    """`lit_parts`, whether it is bright enough to tell, and `Outline`."""
+) -> tuple[tuple[Levels, Runs, NDArray[np.int64]], bool, Outline]:
+    """`lit_parts`, whether it is bright enough to tell, and the outline."""
     found = lit, parts, areas = lit_parts(low, threshold)
     area = areas.max()
     if area == 0 or area < LEAST_FIELD * low.size:
-        return found, False, (np.empty((0, 2)), True, False)
+        return found, False, Outline(np.empty((0, 2)), True, False)
     hull = hull_of(ends_of(parts, areas >= LEAST_PART * area))
     field = within(hull, low.shape[0], low.shape[1])
     outside, dark, rim, sharp = around(low, lit, field, sharp_level)
     if not (is_surround(low, outside, dark) and is_sharp(rim, sharp)):
-        return found, True, (np.empty((0, 2)), True, False)
+        return found, True, Outline(np.empty((0, 2)), True, False)
     dents, reached = dark_beside_border(lit, field, np.arange(low.shape[0] + 1, dtype=np.int32))
     is_convex, is_dented = dents <= MOST_SWALLOWED * reached, dents >= LEAST_DENTS * (low.size - outside)
-    return found, True, (hull.astype(np.float64), is_convex, is_dented)
+    return found, True, Outline(hull.astype(np.float64), is_convex, is_dented)
 
 
 def filled(low: Levels, hull: NDArray[Any]) -> Levels:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -12,7 +10,7 @@ from numba.extending import register_jitable
 from numpy.typing import NDArray
 
 from enhance.field import MOST_CORNERS
-from enhance.field_circle import Fit, Points, fit_of, median
+from enhance.field_circle import Points, median
 from enhance.image import AnyImage, BoolImage, full_scale
 from enhance.prefetch import fetch_line
 from enhance.wide_vectors import wide_vectors
@@ -48,8 +46,7 @@ _ANGLES: Final = np.arange(RAYS) * (2 * np.pi / RAYS)
 ALONG: Final = np.stack((np.cos(_ANGLES), np.sin(_ANGLES)), axis=1)
 
 
-@dataclass(frozen=True, eq=False)
-class Rim:
+class Rim(NamedTuple):
     """Where a field ends."""
 
     points: Points
@@ -65,11 +62,6 @@ class Rim:
     """What lies beyond varies more than noise of a surround does: stray light, or field."""
     is_dark: bool
     """Many rays see nothing but dark: the field goes on beyond them, perhaps."""
-
-    @cached_property
-    def fit(self) -> Fit:
-        """Of a circle to what ends within the picture."""
-        return fit_of(self.points, self.cropped)
 
 
 def left_along_rays(
@@ -96,7 +88,7 @@ def left_along_rays(
     colors = pixels if pixels.ndim == 3 else pixels[..., None]
     values, middle, far = _seen_along(colors, 255 / full_scale(pixels.dtype), corners, size, REACH * pixel)
     height, width = pixels.shape[:2]
-    return Rim(*_ends_of(values, middle, far, threshold, most, pixel, width, height, is_faint))
+    return _ends_of(values, middle, far, threshold, most, pixel, width, height, is_faint)
 
 
 @njit(error_model="numpy")
@@ -130,8 +122,8 @@ def _ends_of(
     width: int,
     height: int,
     is_faint: bool,
-) -> tuple[Points, BoolImage, BoolImage, float, bool, bool]:
-    """`Rim`, of a picture of this size."""
+) -> Rim:
+    """Of a picture of this size."""
     noise = _noise_ends(values, int(REACH * pixel))
     threshold = max(threshold, min(noise, most))
     points, cropped, lit = _left(values, middle, far, threshold, pixel, np.array([width, height], np.float64))
@@ -143,7 +135,7 @@ def _ends_of(
     in_the_dark = 0
     for ray in range(RAYS):
         in_the_dark += not (lit[ray] or cropped[ray])
-    return points, cropped, lit, wide, noise > most, in_the_dark > MOST_IN_THE_DARK * RAYS
+    return Rim(points, cropped, lit, wide, noise > most, in_the_dark > MOST_IN_THE_DARK * RAYS)
 
 
 @njit(error_model="numpy")
@@ -362,7 +354,7 @@ def dim_beside(
 
 def cropped_by(rim: Rim, other: BoolImage) -> Rim:
     """Cropped by another field, too: points that lie in it tell nothing of this one."""
-    return replace(rim, cropped=rim.cropped | other, lit=rim.lit & ~other)
+    return rim._replace(cropped=rim.cropped | other, lit=rim.lit & ~other)
 
 
 @register_jitable

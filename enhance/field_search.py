@@ -152,7 +152,8 @@ class _Search:
     def field(self, lit: Lit, outline: Outline) -> FieldOfView:
         """Without insets."""
         threshold = self.tones.threshold
-        parts = self._together([self._rim(one, threshold) for one in apart(self.low, lit)])
+        outlines = apart(self.low, lit)
+        parts = self._together([self._rim(one, threshold) for one in outlines]) if outlines else self.whole
         if len(outline.corners) == 0:
             return self.faint(ALL_BUT) if parts.is_whole else parts
         if parts.is_whole and outline.is_dented:
@@ -261,7 +262,7 @@ class _Search:
     def _together(self, rims: list[Rim]) -> FieldOfView:
         """All of the picture where one of them is no field."""
         parts = tuple(fitted(rim, self.whole, MOSTLY) for rim in rims)
-        if not parts or any(one.is_whole for one in parts):
+        if any(one.is_whole for one in parts):
             return self.whole
         return replace(self.whole, parts=parts)
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from enhance.changed import changed
 from enhance.field import MOST_CORNERS, FieldOfView, beyond
-from enhance.field_circle import LEAST_FREE, Points, median, tolerance_of
+from enhance.field_circle import LEAST_FREE, Points, fit_of, median, tolerance_of
 from enhance.field_rim import ALONG, RAYS, Rim, are_free
 from enhance.image import BoolImage
 
@@ -123,10 +123,9 @@ def are_circles(rims: list[Rim], whole: FieldOfView) -> bool:
 def _through(rim: Rim, whole: FieldOfView) -> tuple[tuple[float, float, float], float] | None:
     """The circle through what ends within the picture, and the share of these points on it, 0 where it is
     none of the picture; None: too few to tell."""
-    count, (across, down), (x, y, radius), share = rim.fit
+    count, (across, down), (x, y, radius), share = fit_of(rim.points, rim.cropped)
     if count < LEAST_FREE:
         return None
-    x, y, radius = round(x, 2), round(y, 2), round(radius, 2)
     # Points on a straight line lie on a circle, too: a large one, on either side.
     is_near = radius < max(whole.width, whole.height) and math.hypot(across - x, down - y) < radius
     return (x, y, radius), share if is_near else 0.0

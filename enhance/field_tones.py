@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -28,8 +27,7 @@ LEVELS: Final = 256
 Counts = NDArray[np.int32]
 
 
-@dataclass(frozen=True)
-class Tones:
+class Tones(NamedTuple):
     """V of the surround, in grey levels."""
 
     level: float
@@ -47,11 +45,11 @@ class Tones:
 
 
 @njit(error_model="numpy")
-def tones_in(low: Levels) -> tuple[bool, tuple[float, float, float, float, float, bool]]:
-    """Whether the darkest corner can be a surround, and its `Tones`."""
+def tones_in(low: Levels) -> tuple[bool, Tones]:
+    """Whether the darkest corner can be a surround, and its tones."""
     level, noise = _darkest_corner(low)
     if level > BRIGHTEST or noise > NOISIEST:
-        return False, (level, noise, 0.0, 0.0, 0.0, False)
+        return False, Tones(level, noise, 0.0, 0.0, 0.0, False)
     counts = counts_of(low)
     beyond = middle_above(counts, level + STEP) - level
     least = level + max(STEP, DEVIATIONS * noise)
@@ -59,7 +57,7 @@ def tones_in(low: Levels) -> tuple[bool, tuple[float, float, float, float, float
     most = max(threshold, level + MOST_STRAY * beyond)
     brighter, lit = counts[int(least) + 1 :].sum(), counts[int(threshold) + 1 :].sum()
     may_be_shaded = brighter >= (1 + LEAST_SHADED) * lit
-    return True, (level, noise, least, threshold, most, may_be_shaded)
+    return True, Tones(level, noise, least, threshold, most, may_be_shaded)
 
 
 @njit(error_model="numpy")
