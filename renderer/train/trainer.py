@@ -43,7 +43,7 @@ from renderer.train.model import TrainModel
 from renderer.train.needs import Begun, Needs, decide
 from renderer.train.outlines import without_outlines
 from renderer.train.recipe import Recipe, Stage
-from renderer.train.unseen import without_unseen
+from renderer.train.unseen import without_overhang, without_unseen
 
 LOSSES, TROUBLE = "loss_watch", "trouble"
 """Among a checkpoint's arrays."""
@@ -156,7 +156,7 @@ def _prepared(
     hides = needs.has_masks or not clip.camera_is_fixed
     after = dict[str, float]()
     if "unseen" not in config.keep:
-        after[REMOVING] = RENDERED * len(fit)
+        after[REMOVING] = (RENDERED if clip.camera_is_fixed else RENDERED + SMOOTHED) * len(fit)
     if bends and hides and "hidden" not in config.keep:
         after[SMOOTHING] = SMOOTHED * len(fit)
     if bends and unseen is not None and unseen.any():
@@ -236,6 +236,9 @@ class _Training:
         if REMOVING in left:
             yield Finishing(REMOVING, left[REMOVING])
             gaussians, omitted = without_unseen(gaussians, frames, near, mode)
+            if isinstance(gaussians.motion, SplineMotion) and not self.clip.camera_is_fixed:
+                gaussians, beyond = without_overhang(gaussians, frames, near, mode)
+                omitted += beyond
         if not len(gaussians):
             raise TrainingError("no training frame shows any Gaussian: depth and poses are inconsistent")
         if SMOOTHING in left:
