@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any, Final
 
 import cv2
@@ -11,9 +10,9 @@ from numpy.typing import NDArray
 
 from enhance.field import MOST_PARTS
 from enhance.field_circle import Points
+from enhance.field_inscribed import inscribed
 from enhance.field_outline import (
     LEAST_PART,
-    SQUARE,
     Lit,
     around,
     filled,
@@ -24,14 +23,6 @@ from enhance.field_outline import (
 )
 from enhance.field_regions import Levels
 
-LEAST_RADIUS: Final = 0.45
-"""Of the largest circle in a part: smaller ones are no fields."""
-LEAST_AWAY: Final = 0.7
-"""Of the sum of two radii: between three circles that touch there is a place as far from the surround."""
-MOST_REST: Final = 0.1
-"""Of a part made of round fields that touch: what the circles in it leave."""
-MOST_HOLE: Final = 0.05
-"""Of a part: larger holes lie between fields, smaller ones are highlights and lumens that are dark."""
 MOST_SHARED: Final = 0.02
 """Of fields that touch: pixels in the convex outlines of several."""
 LEAST_INSET: Final = 0.02
@@ -59,10 +50,10 @@ def apart(low: Levels, lit: Lit) -> list[Points]:
 def touching(low: Levels, lit: Lit) -> tuple[list[Points], Points]:
     """Convex outlines of the round fields that the largest lit part is made of, and (N, 3) circles inscribed
     in it, middle and radius; no outlines where it is not made of several."""
-    largest = lit.labels == lit.areas.argmax()
-    circles = _inscribed(largest)
+    circles = inscribed(lit.parts, lit.areas, *low.shape)
     if not 2 <= len(circles) <= MOST_PARTS:
         return [], circles
+    largest = lit.labels == lit.areas.argmax()
     height, width = low.shape
     nearest = nearest_of(np.arange(width), np.arange(height)[:, None], circles)
     hulls = [_hull(largest & (nearest == one)) for one in range(len(circles))]
@@ -128,36 +119,3 @@ def _are_divided(low: Levels, lit: Lit, hulls: list[NDArray[Any]], most: float) 
         [around(low, lit.pixels, spans_in(one), lit.sharp)[2:] for one in fields], axis=0
     ).tolist()
     return is_apart and is_surround(low, outside, dark) and is_sharp(rim, sharp)
-
-
-def _inscribed(part: NDArray[np.bool_]) -> Points:
-    """(N, 3) middles, x and y, and radii of the largest circles in a part, from the largest one on, of which
-    none covers much of another; none where several leave much of the part. One more than MOST_PARTS at
-    most."""
-    filled_part = _without_holes(part.astype(np.uint8))
-    depth = cv2.distanceTransform(filled_part, cv2.DIST_L2, cv2.DIST_MASK_5)
-    depth[depth < cv2.dilate(depth, SQUARE)] = 0
-    circles = list[tuple[float, float, float]]()
-    while len(circles) <= MOST_PARTS:
-        _, radius, _, middle = cv2.minMaxLoc(depth)
-        if circles and radius < LEAST_RADIUS * circles[0][2]:
-            break
-        cv2.circle(depth, middle, round(radius), 0, -1)
-        if all(math.dist(middle, one[:2]) >= LEAST_AWAY * (radius + one[2]) for one in circles):
-            circles.append((middle[0], middle[1], radius))
-    if len(circles) == 1:
-        return np.array(circles)
-    whole = np.count_nonzero(filled_part)
-    for x, y, radius in circles:
-        cv2.circle(filled_part, (int(x), int(y)), round(radius) + 1, 0, -1)
-    is_covered = np.count_nonzero(filled_part) <= MOST_REST * whole
-    return np.array(circles if is_covered else []).reshape(-1, 3)
-
-
-def _without_holes(part: Levels) -> Levels:
-    """With what is dark in it, but for holes so large that they may lie between fields."""
-    outlines, family = cv2.findContours(part, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
-    most = MOST_HOLE * np.count_nonzero(part)
-    within = (one for one, (*_, parent) in zip(outlines, family[0].tolist(), strict=True) if parent >= 0)
-    holes = [one for one in within if cv2.contourArea(one) <= most]
-    return np.asarray(cv2.drawContours(part.copy(), holes, -1, 1, cv2.FILLED))

@@ -99,13 +99,14 @@ def _enhance(preset: Preset, dtype: type[np.uint8 | np.uint16]) -> None:
 
 def _surrounded(image: NDArray[Any]) -> Iterator[NDArray[Any]]:
     """Round, cut off by the border above and below, also with a rim that is nearly dark, with eight corners,
-    and two beside each other."""
+    dented, and two beside each other."""
     height, width = image.shape[:2]
     y, x = (np.abs(at) / min(height, width) for at in np.ogrid[-height // 2 : height - height // 2,
                                                                -width // 2 : width - width // 2])  # fmt: skip
     far = np.hypot(x, y)
     octagon, two = (np.maximum(x, y) < 0.4) & (x + y < 0.56), np.hypot(x - 0.33, y) < 0.27
-    for seen in (far < 0.4, far < 0.56, octagon, two):
+    dented = (far < 0.4) & ((x > 0.05) | (y < 0.3))
+    for seen in (far < 0.4, far < 0.56, octagon, dented, two):
         yield image * seen[..., None].astype(image.dtype)
     dim = np.clip(1 - (far / 0.56) ** 3, 0.06, 1) * (far < 0.56)
     yield (image * dim[..., None]).astype(image.dtype)
