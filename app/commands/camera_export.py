@@ -36,9 +36,9 @@ def check(flags: argparse.Namespace) -> None:
         return
     if flags.cameras_format == "colmap":
         if path.suffix and not path.is_dir():
-            raise UserError(f"--cameras: expected a folder for COLMAP, got {path.name}")
+            raise UserError(f"--cameras: expected a folder for COLMAP, got {path.name or path}")
     elif path.suffix.lower() != JSON:
-        raise UserError(f"--cameras: expected the name of a {JSON} file, got {path.name}")
+        raise UserError(f"--cameras: expected the name of a {JSON} file, got {path.name or path}")
 
 
 def write(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> None:

@@ -35,7 +35,7 @@ def check(flags: argparse.Namespace) -> None:
         suffix = "" if KINDS[name].is_splat_folder else KINDS[name].suffix
         if suffix and path.suffix.lower() != suffix:
             kind = f"an {suffix}" if suffix == ".html" else f"a {suffix}"
-            raise UserError(f"{flag(name)}: expected the name of {kind} file, got {path.name}")
+            raise UserError(f"{flag(name)}: expected the name of {kind} file, got {path.name or path}")
     whole = [name for name, path in asked.items() if KINDS[name].is_whole or _is_film(name, path)]
     for name in MOMENTS:
         if whole and getattr(flags, name) is not None:

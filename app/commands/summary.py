@@ -34,7 +34,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 def run(flags: argparse.Namespace) -> None:
     if flags.page.suffix.lower() != ".html":
-        raise UserError(f"expected the name of an .html file, got {flags.page.name}")
+        raise UserError(f"expected the name of an .html file, got {flags.page.name or flags.page}")
     notes: Sequence[str] = flags.note
     if len(notes) > len(flags.images):
         raise UserError(f"expected at most a --note per image, got {len(notes)} for {len(flags.images)}")

@@ -30,10 +30,11 @@ SAVES: Final = "a gain of each frame"
 def found_exposure(
     clip: Clip, config: TrainConfig, told: Callable[[int, int], None]
 ) -> ExposureRecord | None:
-    """Of the clip as it is trained on; None: that is not sought. Raises ClipError: a frame cannot be read."""
-    if not _is_sought(config):
-        return None
+    """Of the clip as it is trained on; None: not sought, or trained on one frame. Raises ClipError: a frame
+    cannot be read."""
     fit, _ = split(clip, config)
+    if not _is_sought(config) or len(fit) < 2:
+        return None
 
     def read(place: int) -> Frame:
         told(place, len(fit))

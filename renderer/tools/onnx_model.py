@@ -47,7 +47,8 @@ class OnnxTools:
         if find_spec("onnxruntime") is None:
             raise OnnxError(NO_ONNX)
         if not path.is_file():
-            raise OnnxError(f"expected an ONNX file, got no such file: {path}")
+            came = "a folder" if path.is_dir() else "no such file"
+            raise OnnxError(f"expected an ONNX file, got {came}: {path}")
         # Read when it is loaded, which else gives this user a number and keeps what is to be sent.
         os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
         import onnxruntime

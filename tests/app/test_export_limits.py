@@ -45,6 +45,7 @@ from tests.app.conftest import Cli
             "--frames-per-second: expected an export through time",
         ),
         (("--ply", "ply", "--html", "x.txt"), "--html: expected the name of an .html file, got x.txt"),
+        (("--ply", "ply", "--html", "/"), "--html: expected the name of an .html file, got /"),
         (
             ("--ply", "ply", "--cameras", "c.txt", "--cameras-format", "colmap"),
             "--cameras: expected a folder for COLMAP, got c.txt",

@@ -16,6 +16,7 @@ from app.commands.described.files import of_run
 from app.evaluation.evaluate import open_evaluation
 from app.gui.work.omissions import OmissionsRequest
 from app.runs.run_folder import RunFolder
+from app.runs.steadying import found_exposure
 from app.runs.train_run import run_training
 from renderer.depth import stereo_depth
 from renderer.depth.stereo import disparity
@@ -119,6 +120,11 @@ def test_the_window_says_so_before(trained: Callable[..., Trained], clips: dict[
 def test_a_steady_clip_is_trained_as_without(trained: Callable[..., Trained]) -> None:
     steady, without = trained(STEADY), trained(STEADY, WITHOUT)
     assert steady.run.model_path.read_bytes() == without.run.model_path.read_bytes()
+
+
+def test_nothing_is_said_of_how_one_frame_changes(clips: dict[str, Path]) -> None:
+    one = open_clip(clips["pumping"]).between(0, 0)
+    assert found_exposure(one, replace(CONFIG, keep=("exposure",)), lambda done, total: None) is None
 
 
 def test_the_eyes_of_a_long_clip_are_not_matched_once_more_for_the_gains(

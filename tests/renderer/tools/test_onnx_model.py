@@ -57,6 +57,8 @@ def test_probabilities_of_one_class_are_halved(tmp_path: Path) -> None:
 def test_what_is_no_network_of_images_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(OnnxError, match="no such file"):
         OnnxTools.open(tmp_path / "none.onnx")
+    with pytest.raises(OnnxError, match="got a folder"):
+        OnnxTools.open(tmp_path)
     (tmp_path / "text.onnx").write_text("no network")
     with pytest.raises(OnnxError, match=r"cannot be loaded .*text\.onnx"):
         OnnxTools.open(tmp_path / "text.onnx")
